@@ -16,7 +16,7 @@ struct CompareSettings {
     /// reference shows how noisy the reference is.
     std::filesystem::path noise = {};
     /// The pinhole picture (`--pinhole`). If it is given, a separate error is computed for the pixels that
-    /// the lens changes.
+    /// the lens changes: those in which the reference differs from it.
     std::filesystem::path pinhole = {};
     std::filesystem::path map = {};  ///< PNG file to write, with the error in colours (`--map`).
     std::filesystem::path side_by_side =

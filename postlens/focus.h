@@ -15,13 +15,13 @@ namespace postlens::api {
 /// Settings of `focus`.
 struct FocusSettings {
     LensSettings lens = {};  ///< Default: the lens of the file.
-    /// The method: "scatter", "layers", "lightfield", "hybrid", "auto" or "pinhole" (`--method`). The default
-    /// is "auto". Without `scene` and `target_db`, "auto" selects "layers" or "scatter", depending on the
-    /// contents of the file. If either is given, "auto" computes as many views (reprojections to a lens
-    /// point) and rays as the target PSNR needs.
+    /// The method: "scatter", "layers", "lightfield", "hybrid", "auto" or "pinhole" (`--method`). The
+    /// default, "auto", selects "layers" or "scatter", depending on the contents of the file. If `scene` or
+    /// `target_db` is given, "auto" instead computes views (reprojections to a lens point) and rays. Their
+    /// number depends on the target PSNR.
     std::string method = {};
-    /// Number of lens points to which the methods "lightfield" and "hybrid" reproject the records
-    /// (`--views`). Default: 64.
+    /// The methods "lightfield" and "hybrid" average views: pictures as seen from this many points of the
+    /// lens (`--views`). Default: 64.
     std::optional<int> views = {};
     /// Number of depths for which the methods "scatter" and "layers" compute an impulse response, from 2 to
     /// 4096 (`--depths`). The default makes circles of confusion accurate to half a pixel.
@@ -51,8 +51,8 @@ struct FocusResult {
     double focal_length_mm = 0;   ///< Focal length that was used, mm.
     double f_number = 0;          ///< F-number that was used; infinite for a pinhole.
     double focus_distance_m = 0;  ///< Focus distance that was used, m. It may be infinite.
-    /// Diameter of the widest circle of confusion, in px. It may be infinite. It is empty in a result of
-    /// `shoot`.
+    /// Diameter of the widest circle of confusion (blur disc of the lens), in px. It may be infinite. `shoot`
+    /// does not compute it, and leaves it empty.
     std::optional<double> largest_coc_px = {};
     /// PSNR of the picture, in dB, measured by tracing rays at random places. Empty without `scene`, infinite
     /// if the rays found no difference.

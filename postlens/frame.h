@@ -35,9 +35,9 @@ struct FrameInfo {
     Report report = {};  ///< Report of `postlens info`. Its JSON has further properties.
 };
 
-/// The records of one instant, with one array for each property. Each array has one value (or a fixed number
-/// of values) per record. Records are sorted by pixel, and within a pixel by layer, y, x and path.
-/// docs/sample_file.md defines the quantities.
+/// The records of one instant: surfaces that eye rays hit, with one array for each property. Each array has
+/// one value (or a fixed number of values) per record. Records are sorted by pixel, and within a pixel by
+/// layer, y, x and path. docs/sample_file.md defines the quantities.
 struct Records {
     int x_begin = 0;  ///< First traced column, px. It is -overscan_px.
     int y_begin = 0;  ///< First traced row, px. It is -overscan_px.
@@ -59,13 +59,13 @@ struct Records {
     /// 0 if the surface is seen directly.
     std::vector<std::uint32_t> path = {};
     std::vector<std::uint32_t> layer = {};  ///< 0 for a visible surface; n for the n-th surface behind it.
-    /// The matrix W of each record, in 1/m: xx, xy, yx, yy. It shifts the image of a surface that is seen
-    /// from a lens point q (m) by -W q times film distance / pixel pitch. W is the identity / depth for a
+    /// The 2x2 matrix W of each record, in 1/m: xx, xy, yx, yy. If the lens point moves by q (m), the
+    /// surface's image moves by -W q times film distance / pixel pitch. W is the identity / depth for a
     /// directly seen surface [Igehy 1999].
     std::vector<float> w = {};
-    /// Error of W in each record, in 1/m^2. W describes a linear motion of the surface's image when the lens
-    /// point moves, but curved mirrors and glass make the motion nonlinear. The error is 0 if it was not
-    /// measured, and infinite if other lens points see the surface by another light path.
+    /// Error of W in each record, in 1/m^2. W states how the surface's image moves with the lens point, as a
+    /// linear function, but curved mirrors and glass make the motion nonlinear. The error is 0 if not
+    /// measured, and infinite if other lens points see the surface by other reflections or refractions.
     std::vector<float> w_bend = {};
 };
 

@@ -59,11 +59,11 @@ auto guarded(Job* job, const Work& work) -> decltype(work()) {
 class Words {
   public:
     Words(std::initializer_list<std::string> command) : words_(command) {}
-    /// Adds the path of an open file as an argument. Also adds `--salvage` if the file was opened with that
-    /// option.
+    /// Adds the path of an open file to the command line. Also adds `--salvage` if the file was opened with
+    /// that option.
     void add(const Frame& frame);
-    /// Adds a file name as an argument without an option. Throws if the path is empty. The error message then
-    /// calls the file `what`, for example "reference".
+    /// Adds a file name to the command line. Throws if the path is empty. The error message then calls the
+    /// file `what`, for example "reference".
     void add_file(const char* what, const std::filesystem::path& path);
 
     void add(const char* option, const std::optional<double>& value);

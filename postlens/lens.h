@@ -9,17 +9,18 @@
 
 namespace postlens::api {
 
-/// A lens and its focus. If a value is not given, it is taken from the file or from the scene's camera.
+/// A lens and its focus. A value that is not given is taken from the sample file or picture, or from the
+/// camera of a scene.
 struct LensSettings {
     /// Focal length F in mm, more than 0 (`--focal-length`). Together with the f-number, it determines the
     /// width of the aperture. It changes the field of view only if `framing` is "lens".
     std::optional<double> focal_length_mm = {};
-    /// F-number n, more than 0 (`--f-number`). The diameter of the aperture is F / n. Infinity means a
-    /// pinhole.
+    /// F-number n, more than 0 (`--f-number`). The diameter of the aperture is focal length / n. Infinity
+    /// means a pinhole.
     std::optional<double> f_number = {};
     /// Distance from the lens to the plane in focus along the optical axis, in m, more than 0 (`--focus`). It
-    /// may be infinite. It must be more than the focal length if `framing` is "lens" or `breathing` is set,
-    /// and in functions without a `Frame`, such as `circle_of_confusion`.
+    /// may be infinite. With `framing` "lens", with `breathing`, and in functions that take no `Frame`, it
+    /// must be more than the focal length.
     std::optional<double> focus_distance_m = {};
     /// Focuses on the surface that the pinhole sees at this position (`--focus-at`). It cannot be combined
     /// with `focus_distance_m`.
@@ -100,8 +101,8 @@ struct ResponseSettings {
     std::optional<double> wavelength_nm = {};
     /// Width of a pixel in µm, more than 0 (`--pixel-pitch`).
     std::optional<double> pixel_pitch_um = {};
-    /// Width and height of the response in px (`--size`). The default is large enough for 99 % of the energy,
-    /// but at most 1025 px.
+    /// Width and height of the computed impulse response, in px (`--size`). The default covers 99 % of the
+    /// light's energy, but is at most 1025 px.
     std::optional<int> size_px = {};
     /// Further options of `postlens lens psf`, for example {"--profile=FILE.csv"}.
     std::vector<std::string> options = {};
@@ -111,8 +112,8 @@ struct ResponseSettings {
 struct ImpulseResponse {
     int width = 0;   ///< px.
     int height = 0;  ///< px.
-    /// Fraction of the point's energy in each pixel, by rows from the top, width * height values. Their sum
-    /// is less than 1 if some of the energy lies outside these pixels.
+    /// Fraction of the point's light energy that falls into each pixel, by rows from the top, width * height
+    /// values. Their sum is less than 1 if some light falls outside these pixels.
     std::vector<float> values = {};
     double energy_in_frame = 0;    ///< Sum of `values`, up to 1.
     double coc_px = 0;             ///< Diameter of the geometric circle of confusion, px.

@@ -1,5 +1,5 @@
 /// @file
-/// Makes the picture of a frame through a pinhole and an open shutter.
+/// Adds motion blur: makes the picture that a pinhole camera with an open shutter takes of a frame.
 #pragma once
 
 #include <filesystem>
@@ -24,8 +24,8 @@ struct MotionBlurSettings {
     std::filesystem::path paths = {};
     /// "convolve", "lightfield" or "auto" (`--method`). Default: "auto".
     std::string method = {};
-    /// Number of instants that the method "lightfield" averages (`--views`). The default is 131, 257
-    /// or 521: one for every 2 px of the longest motion, if 521 suffice.
+    /// Number of instants that the method "lightfield" averages (`--views`). The default is 131, 257 or 521:
+    /// the smallest that gives one for every 2 px of the longest motion, or else 521.
     std::optional<int> views = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
     std::optional<double> exposure = {};  ///< In stops, -100 to 100 (`--exposure`). Default: the file's.

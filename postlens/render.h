@@ -18,8 +18,8 @@ struct RenderSettings {
     LensSettings lens = {};         ///< Default: the lens of the camera.
     std::optional<Size> size = {};  ///< Raster (`--size`). Default: the camera's.
     std::string camera = {};        ///< Camera by name (`--camera`). Default: the scene's first.
-    /// Instant on the scene's clock, in s, if there is no shutter (`--time`). Default: the instant in the
-    /// scene.
+    /// Instant at which the scene is rendered if there is no shutter, in s (`--time`). Default: the instant
+    /// stated in the scene file.
     std::optional<double> time_s = {};
     std::optional<Shutter> shutter = {};  ///< Exposure time (`--shutter`). Default: an instant.
     /// How much light the shutter transmits while it is open (`--shutter-curve`): "box" (default),

@@ -1,5 +1,5 @@
 /// @file
-/// Makes the picture of a frame through a lens and an open shutter at once.
+/// Adds defocus and motion blur at once: makes the picture that a lens with an open shutter takes of a frame.
 #pragma once
 
 #include <filesystem>

@@ -32,8 +32,8 @@ struct Shared {
     throw py::error_already_set();
 }
 
-/// Handles signals and reports progress, under the interpreter's lock. Throws py::error_already_set if that
-/// raises an exception.
+/// Handles signals and calls the Python function `progress`, under the interpreter's lock. Throws
+/// py::error_already_set if a signal handler or `progress` raises an exception.
 void listen(const py::object& progress, const std::optional<ProgressReport>& report) {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (report && !progress.is_none()) progress(report->ended ? 1.0 : report->share, report->seconds_left);

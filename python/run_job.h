@@ -11,7 +11,8 @@ namespace postlens::python {
 /// are thrown again here, those of postlens as postlens.Error.
 ///
 /// The calling thread handles signals and calls progress(fraction, seconds_left), unless `progress` is None.
-/// If this raises an exception, the work is cancelled first. After success, the last call is progress(1, 0).
+/// If a signal handler or `progress` raises an exception, `work` is cancelled before it is thrown. After
+/// success, the last call is progress(1, 0).
 void run_job(int threads, const pybind11::object& progress, const std::function<void()>& work);
 
 /// Converts text to a Python str. Bytes that are not UTF-8, as in file names, become surrogates.

@@ -109,9 +109,9 @@ def main():
         with open(at("whole.exr"), "rb") as a, open(at("merged.exr"), "rb") as b:
             if a.read() != b.read():
                 sys.exit(f"farm_table.py: {name}: the merged file is not the undivided one")
-        # The time of a merge is proportional to the total size of the parts. Parts with some of the samples are each as
-        # large as the image, so each adds a quarter of the time of merging four. Parts with some of the rows are
-        # together as large as the image, so their number does not matter.
+        # The time of a merge is proportional to the total size of the merged files. A file with some of the samples
+        # (`by`) is as large as the image. So each such file takes a quarter of the time of merging four. Files with
+        # some of the rows are together as large as the image, so their number does not matter.
         merge = of_four / 4
         per_part = merge if by else 0.0
 

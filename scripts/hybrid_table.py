@@ -28,9 +28,9 @@ ROWS = [  # file, f-number, focus distance in m, whether the shutter is open fro
     ("motion.toml", "1.4", "4", True),
 ]
 SPD_ROWS = [("balls.nff", "1.4", "2", False), ("mount.nff", "1.4", "2", False)]
-# The images of the SPD scenes (Standard Procedural Databases) are made with a 200 mm f/1.4 lens, 143 mm wide. `trace`
-# relates f-numbers to the film distance, which is 43.3 mm in these scenes. So they are traced for f/0.3, a width of
-# 43.3 mm / 0.3 = 144 mm.
+# The images of the SPD scenes (Standard Procedural Databases) are made with a 200 mm f/1.4 lens, 143 mm wide. For
+# `trace`, an f-number is film distance / lens diameter, and these scenes have a film distance of 43.3 mm. So f/0.3 is
+# given, that is, 144 mm.
 SPD_SIZE, SPD_FOCAL_LENGTH_MM, SPD_FOR_F_NUMBER = "240x240", "200", "0.3"
 
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr Rgb8 background{24, 24, 24}, not_there{48, 48, 48};
 constexpr int gap_px = 6, line_px = 18;
-/// Approximate width of the contact sheet, and the smallest and largest width of a thumbnail, in px.
+/// The contact sheet is about `wide_px` wide. Its thumbnails are `least_px` to `most_px` wide.
 constexpr int wide_px = 2400, least_px = 72, most_px = 320;
 constexpr std::size_t most_columns = wide_px / (least_px + gap_px);
 

@@ -10,7 +10,8 @@
 
 namespace postlens {
 
-/// A contact sheet. Images can be added in any order; missing ones are dark grey.
+/// A contact sheet: thumbnails of a sweep's images in one image. They can be added in any order; missing ones
+/// are dark grey.
 class ContactSheet {
   public:
     static constexpr std::size_t most_pictures = 1024;

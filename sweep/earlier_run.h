@@ -26,8 +26,9 @@ class SweepKeys {
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
     [[nodiscard]] std::string of(const SweepSetting& s) const { return key(s, predicted_); }
-    /// Returns true if an image from an earlier run can be kept for the settings `s`. `earlier` is the key
-    /// (hash) of that image. An image whose error was predicted is kept even if this run predicts no errors.
+    /// Compares keys, which are hashes of an image's settings. Returns true if the image with the key
+    /// `earlier`, from an earlier run, can be kept for the settings `s`. An image whose error was predicted
+    /// is kept even if this run predicts no errors.
     [[nodiscard]] bool fits(const std::string& earlier, const SweepSetting& s) const {
         return earlier == of(s) || earlier == key(s, true);
     }

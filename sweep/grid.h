@@ -1,4 +1,5 @@
-// The images of a sweep: every combination of its settings, with a name.
+// A sweep makes an image for every combination of the given settings. Lists the combinations, and names the
+// images.
 #pragma once
 
 #include <optional>
@@ -11,8 +12,8 @@
 namespace postlens {
 
 /// The values of each setting that varies in a sweep. Each list except `shutters` needs at least one value. A
-/// lens prescription, which describes a real lens, replaces `focal_lengths_mm`. It also replaces `f_numbers`
-/// if this list is empty.
+/// real lens (prescription) has its own focal length, used instead of `focal_lengths_mm`, and its own
+/// f-number, used if `f_numbers` is empty.
 struct SweepAxes {
     std::vector<Impulse> impulses{Impulse{}};
     std::vector<TimeSpan> shutters;  ///< empty: no motion blur
@@ -32,7 +33,8 @@ struct SweepSetting {
 
 struct SweepGrid {
     std::vector<SweepSetting> pictures;
-    /// Images per row of the contact sheet: the number of values of the setting that varies fastest.
+    /// Images per row of the contact sheet: the number of values of the innermost setting that has several.
+    /// So each row shows a series.
     std::size_t row = 1;
 };
 

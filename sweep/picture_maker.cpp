@@ -123,8 +123,8 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
     FocusResult r = focus_picture(frame_, focus);
     const FocusMethod method = r.method;
     MadePicture out = made(std::move(r), method_name(method));
-    // An error is predicted by comparing the image with a light field image. A pinhole image is more accurate
-    // than a light field image, so its error is not predicted.
+    // The error is predicted with a light field image as the reference. A pinhole image is more accurate than
+    // this reference, so its error is not predicted.
     if (method != FocusMethod::pinhole) predict(out, {.focus = focus});
     return out;
 }

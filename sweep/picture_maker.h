@@ -21,9 +21,9 @@ namespace postlens {
 /// Settings that all images of a sweep share. Their names and defaults are those of the command `focus`, or
 /// of `shoot` for images with motion blur.
 struct PictureSettings {
-    /// Method that makes all images. If absent, it is lightfield for images with a shutter (motion blur), and
-    /// otherwise the method that usual_method chooses for the file. With a shutter, only lightfield, hybrid
-    /// and automatic are allowed.
+    /// Method that makes all images. The default with a shutter (motion blur) is lightfield, and hybrid and
+    /// automatic are allowed too. The default without a shutter is usual_method: layers or scatter, depending
+    /// on the file.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;
@@ -45,11 +45,11 @@ inline constexpr int default_shutter_views = 128;
 /// Throws Error(wrong_arguments) if `depths` or `views` is given but not used by `method`. `method` must not
 /// be `automatic`.
 void check_counts(const std::optional<int>& depths, const std::optional<int>& views, FocusMethod method);
-/// Throws Error(wrong_arguments) if the method does not use a given --depth-spacing or --depth-model (depth
-/// through mirrors and glass).
+/// Throws Error(wrong_arguments) if --depth-spacing or --depth-model (depth through mirrors and glass) is
+/// given, but has no effect on `method`.
 void check_depth_options(DepthSpacing spacing, DepthModel model, FocusMethod method);
-/// Throws Error(wrong_arguments), naming the option `name`, if `method` traces no rays. Call it only for
-/// images without a shutter.
+/// Throws Error(wrong_arguments), naming the option `name`, unless `method` is one that traces rays (hybrid
+/// or automatic). For images with a shutter, this is not checked.
 void check_traces_rays(std::string_view name, FocusMethod method);
 
 struct MadePicture {
@@ -61,8 +61,8 @@ struct MadePicture {
     std::optional<double> predicted_db{};  ///< stated or predicted PSNR, dB; absent if unknown
 };
 
-/// Makes images one at a time. Each is bit-identical to that of focus_picture, hybrid_picture or
-/// auto_picture, or of motion_blur for a pinhole with a shutter.
+/// Makes the images of a sweep one at a time. Each is bit-identical to the result of focus_picture,
+/// hybrid_picture or auto_picture. A pinhole's image with a shutter is that of motion_blur.
 class PictureMaker {
   public:
     /// Keeps a reference to `file`. Throws Error(wrong_arguments) if the method does not support a shutter,

@@ -218,8 +218,8 @@ class Sweep {
         return std::clamp<std::size_t>(bytes_together / (image.rgb.size() * sizeof(float) + 1), 1, most);
     }
 
-    /// Writes an image and computes its table row in the background. Cancelling the sweep does not stop the
-    /// writing, so finished images are kept.
+    /// In the background, writes an image and computes its row in the table of results. Cancelling the sweep
+    /// does not stop the writing, so finished images are kept.
     void start_finishing(std::size_t i, Making made, double pinhole_energy) {
         finishing_.push_back(
             {i, std::async(std::launch::async, [this, i, pinhole_energy, made = std::move(made)] {
@@ -254,7 +254,8 @@ class Sweep {
         const auto coc_px = [&](double inverse_z) {
             return made.geometry ? made.geometry->coc_diameter_px(inverse_z) : 0.0;
         };
-        // Adding 0 turns -0 into 0: the signed CoC diameter of a pinhole is -0 in front of the focus.
+        // A pinhole's CoC diameter is 0, but in front of the focus its sign is negative. Adding 0 turns -0
+        // into 0.
         for (const double inverse_z : inverse_z_at_) row.coc_px.push_back(coc_px(inverse_z) + 0.0);
         for (const float inverse_z : {nearest_, farthest_}) {
             row.largest_coc_px =
@@ -267,16 +268,16 @@ class Sweep {
         return row;
     }
 
-    /// Calls `use` with the records of the sample file. Only the methods scatter, layers and pinhole
-    /// (by_records) keep them in memory. For other methods, the file is read again.
+    /// Calls `use` with the records of the sample file. The methods scatter, layers and pinhole (by_records)
+    /// have them in memory. For other methods, the records are read from the file and then freed.
     auto with_records(const auto& use) {
         if (by_records()) return use(maker_.frame());
         FocusFrame once(file_);
         return use(once);
     }
 
-    /// Returns the gradient energy (amount of detail) of the pinhole image with the same field of view as
-    /// `made`.
+    /// Returns the gradient energy (amount of detail) of the pinhole image with the same field of view. It is
+    /// compared with that of `made`.
     double pinhole_energy_for(const MadePicture& made) {
         const double zoom = made.geometry ? made.geometry->zoom : 1;
         const auto [known, is_new] = pinhole_energies_.try_emplace(zoom);
@@ -284,9 +285,9 @@ class Sweep {
             FocusSettings pinhole{.lens = {.focal_length_mm = 50, .f_number = HUGE_VAL},
                                   .method = FocusMethod::pinhole};
             if (zoom != 1) {
-                // The pinhole image must be magnified by the same factor `zoom` as `made`. With Framing::lens
-                // and the focus at infinity, the focal length is the film distance, and so determines the
-                // magnification.
+                // The image `made` is magnified by the factor `zoom`, so the pinhole image must be too. With
+                // Framing::lens and a focus at infinity, the film distance equals the focal length, and
+                // determines the magnification.
                 pinhole.framing = Framing::lens;
                 pinhole.lens.focal_length_mm = zoom * file_.header().film_distance_mm;
                 pinhole.focus_distance_m = HUGE_VAL;
@@ -308,15 +309,15 @@ class Sweep {
         }
     }
 
-    // Warns if this lens shows objects in curved mirrors or glass at wrong positions. The recorded matrix W
-    // is only a linear approximation of how their images move with the lens point.
+    // Warns if the image `made` shows objects in curved mirrors or glass at wrong positions. Such objects
+    // move nonlinearly in the image when the lens point moves, but the sample file records a linear motion.
     void warn_of_bend(const MadePicture& made) {
         if (!made.geometry || made.method == "pinhole" || made.method == "motionblur" ||
             settings_.picture.scene != nullptr ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
-        // The warning is about errors of position in the image. They are proportional to `lens`, gain times
-        // squared aperture radius, so the warning is computed only once for lenses with equal `lens`.
+        // The warning states errors of position in the image. They are proportional to gain times squared
+        // aperture radius, so the warning is computed only once for lenses with an equal product.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);

@@ -33,7 +33,7 @@ std::vector<glm::dvec2> sweep_points(const SweepSettings& s, const SampleHeader&
     std::vector<glm::dvec2> out = s.at;
     for (std::size_t i = 0; i < out.size(); ++i) {
         const glm::dvec2& at = out[i];
-        // Each position names a column of sweep.csv, so no position may occur twice.
+        // Each point of --at gets a column in sweep.csv, named after it. So no point may occur twice.
         if (std::find(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(i), at) !=
             out.begin() + static_cast<std::ptrdiff_t>(i)) {
             fail(ExitCode::wrong_arguments,

@@ -66,8 +66,8 @@ void add_stops(const std::string& option, std::string_view text, std::vector<dou
         fail(ExitCode::wrong_arguments, "{}: range runs backwards (got {}; expected FROM not above TO)",
              option, text);
     }
-    // The last f-number may exceed the range by this many stops, because engraved f-numbers are rounded: f/11
-    // is f/11.31, 0.08 stops more.
+    // The last f-number may exceed the end of the given range by this many stops, because engraved f-numbers
+    // are rounded: f/11 is f/11.31, 0.08 stops more.
     constexpr double missed_stops = 0.1;
     const double stops = 2 * std::log2(to / from);
     const double steps = std::floor((stops + std::min(missed_stops, *step / 2)) / *step);

@@ -35,8 +35,8 @@ inline constexpr std::size_t most_pictures = 10000;
 /// Parses shutters OPEN:CLOSE, finite times in s. OPEN must not be after CLOSE.
 [[nodiscard]] std::vector<TimeSpan> shutter_list(const std::string& option, std::string_view text);
 
-/// Parses impulse responses as `parse_impulse` does. A comma begins the next item only before the name of a
-/// kind, because commas also separate wavelengths.
+/// Parses impulse responses, separated by commas, as `parse_impulse` does. A comma may also separate
+/// wavelengths. So it begins a new impulse response only if a kind, such as "disc", follows.
 [[nodiscard]] std::vector<Impulse> impulse_list(const std::string& option, std::string_view text);
 
 }  // namespace postlens

@@ -46,8 +46,9 @@ let depths = null;   // {ids, inverse}
 let causes = null;   // causes of the error of `causes.picture`: {picture, rgba, report}
 let generation = 0;  // serial number of the latest request
 let firstUnderWay = false, refining = false;
-// If the user changes the lens while the coarse image is made, `again` is the time of the first change, in ms. New
-// images are then requested once the coarse image is finished. Otherwise, `again` is 0.
+// After a change of the lens, the first image is coarse. If the lens changes again before this image is
+// finished, `again` is the time of that change, in ms. New images are then requested once it is finished.
+// Otherwise, `again` is 0.
 let again = 0;
 const timings = [];  // for benchmarks: {views, input, answered, painted}
 window.postlens = { timings, state: () => ({ shown, other, depths, causes, lens, frame, generation, working: firstUnderWay || refining }) };

@@ -85,9 +85,8 @@ std::vector<double> diameters_up_to(double largest_px) {
     return out;
 }
 
-/// For every compared pixel and blur diameter, a table of the squared difference between blurred and given
-/// image. A lens and a pixel's depth determine the blur diameter, so testing a lens takes one look-up per
-/// pixel.
+/// Table of squared differences between blurred and given image, for every compared pixel and blur diameter.
+/// A lens gives each pixel a blur diameter, so testing a lens takes one look-up per pixel.
 class RoughModel {
   public:
     RoughModel(const Reduced& reduced, double largest_px) : diameters_px_(diameters_up_to(largest_px)) {
@@ -178,8 +177,8 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
             bool least = true;
             for (int a = std::max(0, i - 1); a <= std::min(aperture_steps - 1, i + 1); ++a) {
                 for (int b = std::max(0, k - 1); b <= std::min(focus_steps - 1, k + 1); ++b) {
-                    // A lens of the search grid is a minimum if no neighbour has a smaller error. Of
-                    // neighbours with equal errors, only the first in grid order counts.
+                    // A lens is a minimum if no neighbour in the search grid has a smaller error. Of equal
+                    // neighbours, only the first counts.
                     const bool before = a < i || (a == i && b < k);
                     least = least && (before ? at(i, k) < at(a, b) : at(i, k) <= at(a, b));
                 }

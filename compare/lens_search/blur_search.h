@@ -20,9 +20,9 @@ struct RoughMatch {
     double error = 0;  ///< root mean square of `robust` residuals (see picture_tone.h)
 };
 
-/// Blurs `pinhole` as about 4,000 candidate lenses would (a grid of apertures and focus distances), and
-/// compares the results with `picture`. Returns the lenses at the local minima of the error, at least one,
-/// smallest error first.
+/// Blurs `pinhole` with about 4,000 lenses (a grid of apertures and focus distances), and compares the
+/// results with `picture`. Returns the lenses at the local minima of the error, at least one, smallest error
+/// first.
 ///
 /// Blur is approximated by uniform discs, as if neighbouring pixels had the same depth. Images wider than 256
 /// px are downscaled first.

@@ -57,8 +57,8 @@ class PictureResiduals {
 
     const SampleFileReader& file_;
     Impulse impulse_;
-    /// Cache of the last computed images, each with the aperture and focus distance that made it. The newest
-    /// is last. The fit often needs an image again.
+    /// Cache of the last computed images, each with its aperture and focus distance, newest last. The fit
+    /// often needs an image again.
     std::deque<std::pair<LensPlace, Tones>> focused_;
     Tones wanted_;
     std::vector<std::size_t> used_;

@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Returns log(1 + Y / 0.18) for the Rec.709 luminance Y >= 0. For small Y, this is nearly proportional to Y,
-/// which suits the uniform noise of dark areas. The logarithm keeps bright lights from dominating.
+/// Returns log(1 + Y / 0.18) for the Rec.709 luminance Y >= 0. In dark areas, where noise is uniform, this is
+/// nearly proportional to Y. The logarithm keeps bright lights from dominating.
 inline double picture_tone(double luminance) {
     constexpr double middle_grey = 0.18;
     return std::log1p(std::max(luminance, 0.0) / middle_grey);

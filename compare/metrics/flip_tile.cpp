@@ -20,8 +20,8 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-// Tone curve of [narkowicz2016], which approximates the ACES curve. The factor 0.6 of its argument
-// compensates a difference in exposure between the two curves.
+// Tone curve of [narkowicz2016], an approximation of the ACES curve. The factor 0.6 of its argument matches
+// the exposures of both curves.
 constexpr double tone_n2 = 0.6 * 0.6 * 2.51, tone_n1 = 0.6 * 0.03;
 constexpr double tone_d2 = 0.6 * 0.6 * 2.43, tone_d1 = 0.6 * 0.59, tone_d0 = 0.14;
 
@@ -56,8 +56,8 @@ double sum_of(const std::vector<double>& taps) {
 }  // namespace
 
 FlipFilters::FlipFilters(double pixels_per_degree) {
-    // The eye's contrast sensitivity to each colour channel is a Gaussian a sqrt(pi/b) exp(-pi^2 x^2 / b),
-    // with x in degrees [andersson2020, table 1 and eq. 4]. For blue-yellow, it is a sum of two.
+    // Contrast sensitivity of the eye for each colour channel: a Gaussian a sqrt(pi/b) exp(-pi^2 x^2 / b),
+    // with x in degrees. For blue-yellow, it is the sum of two [andersson2020, table 1 and eq. 4].
     constexpr double b_achromatic = 0.0047, b_red_green = 0.0053;
     constexpr double a1 = 34.1, b1 = 0.04, a2 = 13.5, b2 = 0.025;
     // Width, in degrees, of the detector of edges and points, from peak to trough [andersson2020, sec. 4.2].
@@ -115,8 +115,8 @@ double flip_tone_curve_inverse(double level) {
 
 namespace {
 
-// The matrices convert linear Rec.709 to X, Y, Z and back [iec61966-2-1]. X, Y and Z are divided by those of
-// white (D65). White is then (1, 1, 1), so the rows sum to 1.
+// The matrices convert linear Rec.709 to X, Y, Z and back [iec61966-2-1]. X, Y, Z are divided by those of
+// white (D65). So white becomes (1, 1, 1): the rows sum to 1.
 constexpr float white_x = 0.9504559F, white_z = 1.0890578F;
 constexpr std::array<float, 9> xyz_from_rgb{0.4123908F / white_x, 0.3575843F / white_x, 0.1804808F / white_x,
                                             0.2126390F,           0.7151687F,           0.0721923F,

@@ -14,8 +14,8 @@ namespace {
 constexpr int greatest_block_px = 16;
 constexpr std::size_t wanted_blocks = 64;
 
-// Sums over a block of pixels. A is the image's value minus the first reference's value, in one channel of a
-// pixel. B is the same for the second reference.
+// Sums over a block of pixels. A is the difference between image and first reference, in one channel of a
+// pixel. B is that between image and second reference.
 struct Sums {
     double product = 0;     // A B
     double preference = 0;  // A^2 - B^2

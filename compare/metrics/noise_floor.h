@@ -35,9 +35,9 @@ struct NoiseFloor {
     NoisyError encoded;   ///< error of the image apart from the noise, in sRGB values
     NoisyError linear;    ///< the same in scene-linear values
     NoisyError relative;  ///< the same in scene-linear values, divided by M^2 + 0.01
-    /// The image's mean squared error against the first reference minus that against the second, divided by
-    /// the difference's standard error. It is standard normal if neither reference is closer to the image
-    /// except by chance.
+    /// Mean squared error against the first reference minus that against the second, divided by this
+    /// difference's standard error. If the image is equally close to both except for chance, it is standard
+    /// normal.
     double preference = 0;
 };
 

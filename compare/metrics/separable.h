@@ -25,8 +25,8 @@ void for_each_tile(int width, int height, const Body& body) {
     });
 }
 
-/// Values of one channel of a tile (part of an image), row by row. A filter of radius r makes the tile
-/// smaller by r px on each side. So the tile needs a margin of this width.
+/// One channel of a tile (part of an image), row by row. A filter of radius r shrinks it by r px at each
+/// side.
 using TileChannel = std::vector<float>;
 
 /// Filters a tile along rows: out[x] = sum_k taps[k] in[x + k]. Rows of `in` have tile_width + taps - 1

@@ -27,8 +27,8 @@ from mathutils import Euler, Matrix, Quaternion, Vector
 OUTLINE_PX = 0.01  # a hundredth of the width of the box filter: the error is at most 1 % of an edge's contrast
 MOTION_PX = 0.01
 POSES_LOG2 = 7  # Cycles' limit: 2^7 intervals in the frame
-# Cycles 3.4 tabulates the shutter curve in 256 entries. Therefore, a shutter set to one frame is open for only this
-# fraction of the frame. The class Exposure fits the scene's exposure into this fraction.
+# Cycles 3.4 stores the shutter curve in 256 entries, so a shutter set to one frame is open for only 254/256 of the
+# frame. The class Exposure maps the scene's exposure to this fraction.
 SHUTTER_COVERED = 254 / 256
 LARGEST_ICOSPHERE = 8  # 330,000 triangles
 
@@ -469,7 +469,8 @@ def parse(words):
     parser.add_argument("--focus", type=float, metavar="M")
     parser.add_argument("--shutter", type=pair(":", float), metavar="OPEN:CLOSE")
     parser.add_argument("--whole-frame", action="store_true", help="do not make up for SHUTTER_COVERED")
-    # With few samples per pixel, Cycles' default sampler (pmj) has a larger bias than Sobol points.
+    # With few samples per pixel, the image has a larger systematic error (bias) with Cycles' default sampler (pmj)
+    # than with Sobol points.
     parser.add_argument("--sampler", choices=["sobol", "pmj"], default="sobol")
     parser.add_argument("--passes", action="store_true", help="a multi-layer file, with the pass Depth")
     parser.add_argument("--threads", type=int, default=0)
