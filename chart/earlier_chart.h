@@ -18,8 +18,8 @@ namespace postlens {
 [[nodiscard]] std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& scene);
 
 /// Returns the files with earlier measurements, which a new run of the command `chart` does not repeat. If
-/// the run measures all methods, this includes the files *.I-of-N.json in `folder`, which several machines
-/// wrote. `chart`, the run's own file, comes last if it exists.
+/// the run measures all points (methods with settings), this includes the files *.I-of-N.json in `folder`,
+/// which several machines wrote. `chart`, the run's own file, comes last if it exists.
 [[nodiscard]] std::vector<std::filesystem::path> earlier_charts(const ChartRequest& request,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& chart);

@@ -141,8 +141,8 @@ class Pictures:
             return False
         if found:
             self.count += 1
-            # Only the last image may open a window. While earlier images are computed, the user can stop this Blender
-            # operator with Esc, and a new window would receive that key.
+            # Only the last image may open a window. After earlier images, work continues, and the user can stop this
+            # Blender operator with Esc. A new window would receive that key instead.
             is_last = self.count == len(self.job.frames)
             show(found[1], can_open=self.job.in_window and is_last)
         return True

@@ -66,8 +66,8 @@ std::vector<float> hdr_flip_map(const Image& reference, const Image& test, const
                                 const FlipExposures& exposures) {
     std::vector<FlipDisplay> displays;
     const double step = exposures.count > 1 ? (exposures.stop - exposures.start) / (exposures.count - 1) : 0;
-    // HDR-FLIP compares the images at `count` exposures from `start` to `stop`. If start equals stop, so do
-    // all of them, and one comparison is enough.
+    // HDR-FLIP compares the images at `count` exposures from `start` to `stop`. If `start` equals `stop`, all
+    // of them are the same, so one comparison is enough.
     const int different = step > 0 ? exposures.count : 1;
     displays.reserve(static_cast<std::size_t>(different));
     for (int i = 0; i < different; ++i)
