@@ -151,8 +151,8 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
     const double nearest = depths.nearest(), farthest = depths.farthest();
     const double span = std::max(nearest - farthest, 0.1 * nearest);
     const double gain_px = header.film_distance_mm / header.pixel_pitch_mm / factor;
-    // The tested focus distances lie in the scene's range of depths, and half its length beyond each end.
-    // Both are inverse distances here.
+    // The tested focus distances lie in the scene's range of depths, or beyond it by up to half its length.
+    // All of these are inverse distances.
     const double first_focus = std::max(0.0, farthest - span / 2), last_focus = nearest + span / 2;
     // With the nearest depth in focus, the smallest tested aperture blurs the farthest depth by 0.7 px, and
     // the largest by a quarter of the image width.
