@@ -1,5 +1,5 @@
-// Chooses rays that trace highlights again, to correct their light in a light field. Each ray starts in a
-// pixel and passes through the lens to a highlight whose blur covers the pixel.
+// Chooses rays that measure the error of a light field's highlights. Each ray starts in a pixel and passes
+// through the lens to a highlight whose blur covers the pixel.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
