@@ -12,8 +12,8 @@
 namespace postlens {
 namespace {
 
-/// Tests whether linear reprojection misplaces a surface sample by more than most_bend_px. The error is
-/// largest at the rim of the lens.
+/// Tests whether a surface sample, reprojected linearly to the rim of the lens, is wrong by more than
+/// most_bend_px pixels. The error is largest at the rim.
 class Misplaced {
   public:
     explicit Misplaced(const FocusGeometry& lens)
@@ -30,11 +30,12 @@ class Misplaced {
     double px_per_bend_;  ///< error of a node's position seen from the lens's rim, in px, for a w_bend of 1
 };
 
-/// Returns the blur radius of a surface sample, in px: the root mean square of the two semi-axes of its blur
+/// Returns the blur radius of a surface sample, in px: the root mean square of the semi-axes of its blur
 /// ellipse.
 ///
-/// The ellipse is the image of the unit disc (the lens) under the matrix gain R (I / s - W). Gain is the film
-/// distance in px, R the aperture radius, s the focus distance, and W the sample's 2x2 matrix.
+/// The matrix gain R (I / s - W) maps the unit disc (the lens) to this ellipse. R is the aperture radius, s
+/// the focus distance, and gain the film distance in px. The sample's 2x2 matrix W, in 1/m, tells how its
+/// image shifts when the lens point moves.
 double blur_px(const Record& r, const FocusGeometry& lens) {
     const double s = lens.inverse_focus_per_m;
     const double a = s - static_cast<double>(r.w.xx), b = static_cast<double>(r.w.xy),

@@ -25,11 +25,11 @@ namespace postlens {
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);
-    /// Adds the surface samples of the image rows [y_begin, y_end), which `band` must contain. Add every row
-    /// exactly once, from top to bottom.
+    /// Adds the surface samples of the image rows [y_begin, y_end) to the image of misplaced light. `band`
+    /// must contain these rows. Add every row exactly once, from top to bottom.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns the image of the misplaced light (see above), one radiance per pixel. Returns an empty list if
-    /// no light is misplaced.
+    /// Returns the image of the light that reprojection misplaces, one radiance per pixel. Returns an empty
+    /// list if no light is misplaced.
     [[nodiscard]] std::vector<float> picture() const;
 
   private:

@@ -17,9 +17,11 @@ class BorderDepths {
   public:
     /// `source` is the window of the recorded pixel corners.
     explicit BorderDepths(const RasterWindow& source);
-    /// Adds the samples of the pixel rows [y_begin, y_end), which `band` must contain.
+    /// Adds the depths of the surfaces in the pixel rows [y_begin, y_end) that lie on the border. `band` must
+    /// contain these rows.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns, for each pixel corner along the border, the largest blur radius of the surfaces there, in px.
+    /// Returns the largest blur radius of the surfaces at each pixel corner along the border of the traced
+    /// area, in px.
     [[nodiscard]] BorderRadii radii(const FocusGeometry& geometry, const ResponseModel& response) const;
 
   private:

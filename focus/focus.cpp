@@ -113,8 +113,8 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
         end = row + 1;
         while (end < rows && bytes(row, end + 1) <= most_bytes) ++end;
         const int y = row * block_px, y_end = std::min(end * block_px, picture.height());
-        // If a single row of blocks needs more than `most_bytes`, it is drawn in several parts, from left to
-        // right.
+        // A single row of blocks may need more than `most_bytes` of memory. It is then divided into parts,
+        // which are drawn from left to right.
         const auto parts = static_cast<int>(std::min<std::uint64_t>(
             bytes(row, end) / std::max<std::size_t>(most_bytes, 1) + 1, static_cast<std::uint64_t>(columns)));
         const int width = (columns + parts - 1) / parts * block_px;
@@ -170,7 +170,8 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
                        layers(splats, image, part);
                    });
     } else {
-        // The samples may fill 1/3 of the memory, because blur kernels and colours need the rest.
+        // The blurred samples may fill 1/3 of the memory limit, because blur kernels and colours need the
+        // rest.
         spread_all(SplatTables(corners, window, traced, levels, settings.depth_model, response),
                    {4, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px},
                    [](const SplatTables& splats, Image& image, const std::optional<Crop>& part) {
@@ -260,8 +261,8 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const View shown = framed(file, settings, geometry);
-    // The crop is in pixels of the final image. If the final image is a magnified copy of the blurred one
-    // (zoom != 1), the whole image is blurred first.
+    // The crop is in pixels of the final image. If zoom != 1, the final image is magnified after blurring, so
+    // its pixels differ. The whole image is then blurred.
     const std::optional<Crop> crop = shown.zoom == 1 ? settings.crop : std::nullopt;
     FocusResult out;
     if (pinhole) {

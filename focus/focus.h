@@ -34,7 +34,7 @@ struct FocusSettings {
     /// uses the kernel of the nearest of these depths.
     ///
     /// By default, the depths are so dense that rounding to them changes CoC diameters by less than half a
-    /// pixel. The change may be larger with linear `spacing`, or for diameters above 2048 px.
+    /// pixel. The change may be larger if `spacing` is linear in depth, or for diameters above 2048 px.
     std::optional<int> depths;
     /// Number of lens points from which the method `lightfield` makes images, 1 to most_lens_views.
     int views = default_lens_views;
@@ -73,7 +73,8 @@ struct FocusResult {
 /// Throws Error(wrong_arguments) if a setting is out of range, or if the f-number is finite but the file has
 /// an orthographic camera. Throws Error(invalid_input) if the file is damaged.
 [[nodiscard]] FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings);
-/// Computes a single image directly from a file. Throws the same errors as focus_picture(FocusFrame&, ...).
+/// Computes a single image from a sample file, without a FocusFrame. Throws the same errors as
+/// focus_picture(FocusFrame&, ...).
 [[nodiscard]] FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings);
 
 /// Computes the image of a pinhole camera by summing the surface samples of each pixel. It is bit-identical

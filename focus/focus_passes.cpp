@@ -52,8 +52,8 @@ Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geome
     return out;
 }
 
-/// Blends the coverage of each object between the pinhole image (`effect` 0) and the blurred image (`effect`
-/// 1).
+/// Blends the coverage of each object in a pixel. `effect`, the strength of the blur, is 0 for the coverage
+/// in the pinhole image, and 1 for that in the blurred image.
 void limit_to(const std::vector<float>& effect, const StackField& pinhole, StackField& blurred) {
     for (std::size_t k = 0; k < effect.size(); ++k) {
         for (ObjectShare& o : blurred.shares[k]) o.share *= effect[k];
@@ -127,7 +127,8 @@ std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& fie
 /// estimated from the differences between images from independent sets of lens points.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
-    // Fewer lens points in total would give an unreliable estimate of the error.
+    // All sets of lens points together must have at least this many points. Fewer would make the estimated
+    // error unreliable.
     constexpr int least_views = 64;  // of all sets together
     const int views = s.views;
     s.views = std::max(1, views / 2);
@@ -155,8 +156,8 @@ std::vector<float> standard_error(const ForeignPicture& picture, const std::vect
     return out;
 }
 
-/// Adds an image channel with the standard error of each pixel, multiplied by `effect`, the strength of the
-/// blur from 0 to 1.
+/// Adds an image channel with the standard error of each pixel. The error is multiplied by the blur strength
+/// `effect`, 0 to 1, because unblurred light has no error.
 void add_error(std::vector<float> error, const std::vector<float>& effect, Image& image) {
     for (std::size_t k = 0; k < effect.size(); ++k) error[k] *= effect[k];
     image.planes.push_back({"error", std::move(error)});

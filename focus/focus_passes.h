@@ -1,5 +1,5 @@
-// Adds channels for compositing to a blurred image: CoC, Cryptomatte (object masks), error, and the fractions
-// of each pixel in front of, in and behind the focus.
+// Adds channels for compositing to a blurred image: CoC, Cryptomatte (object masks), the standard error of
+// its pixels, and the fractions of each pixel in front of, in and behind the focus.
 #pragma once
 
 #include <string>

@@ -190,8 +190,8 @@ class Spread {
                 const int y = source.y_begin + static_cast<int>(i);
                 row.clear();
                 behind_row.clear();
-                // For rows above or below the image, uses the estimated hidden surfaces of the image's first
-                // or last row.
+                // Surfaces extended above or below the image get the hidden surfaces that were estimated for
+                // the image's first or last row.
                 if (behind_ && width > 0 && picture_.y_begin < picture_.y_end)
                     behind_->row(std::clamp(y, picture_.y_begin, picture_.y_end - 1), behind_row);
                 if (y >= picture_.y_begin && y < picture_.y_end) found[task].add(guessed(behind_row));
@@ -212,8 +212,8 @@ class Spread {
                     // Empty space may be visible behind a translucent surface.
                     if (behind != nullptr && picture_.stores(x, y) && ends_in_nothing(*behind, open))
                         found[task].is_see_through = true;
-                    // `scatter` does not estimate surfaces behind the samples (`behind` is null). The last
-                    // sample then counts as opaque.
+                    // `scatter` estimates no surface behind the last sample of a pixel (`behind` is null), so
+                    // the last sample counts as opaque.
                     lights.add(x, stack, behind == nullptr || behind->fills, open, behind, value, row);
                 }
                 splats.add_pixels(y, row);
@@ -256,8 +256,8 @@ class Spread {
         RasterWindow source = source_pixels();
         ++source.x_end;
         ++source.y_end;
-        // The depth model matters only for reflections and refractions, which images of other programs do not
-        // store separately.
+        // The depth model selects the depth of reflections and refractions. Images of other programs do not
+        // store these separately, so it has no effect here.
         if (method_ == FocusMethod::layers) {
             return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_),
                           layers);
@@ -351,7 +351,8 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
         of_picture.is_see_through = ends_in_nothing(behind[i], open);
     }
     if (auto warning = guessed_warning(of_picture, picture)) out.warnings.push_back(*std::move(warning));
-    // Filling a hole may need pixels outside the crop. The whole image is then drawn.
+    // A hole in the image is filled from surrounding pixels, which may lie outside the crop. The whole image
+    // is then drawn.
     const auto is_gap = [](float covered) { return !(covered > 0); };
     if (crop && std::any_of(field.covered.begin(), field.covered.end(), is_gap)) {
         s.drawn = window;

@@ -40,8 +40,9 @@ FocusFrame::FocusFrame(const SampleFileReader& file, bool many) : file_(file), m
 void FocusFrame::keep_all() {
     std::uint64_t records = 0;
     for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
-    // An upper bound: each record has at most one point sample, and one copy of depth and colour. The vector
-    // of point samples may have reserved twice the memory it needs.
+    // An upper bound of the memory: there are at most as many point samples (eye rays) as records, and each
+    // record has one copy of its depth and colour. The vector of point samples may reserve twice the memory
+    // it needs.
     require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample) + sizeof(double) + 3 * sizeof(float)),
                    "the records of the frame");
     std::vector<Kept> all;

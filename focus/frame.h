@@ -20,10 +20,10 @@ namespace postlens {
 struct HighlightRule;
 struct TreeSheets;
 
-/// Rows [y_begin, y_end) of the sample file at its first recorded instant. `band` also has the rows above and
-/// below.
-/// - `samples`: eye rays through these rows, and the surfaces that they hit; one element for each group of
-///   `rows_per_task` rows. Empty if they have not been computed.
+/// Rows [y_begin, y_end) of the sample file's surface samples at its first recorded instant. `band` has these
+/// rows, and the rows directly above and below.
+/// - `samples`: eye rays through the pixels of these rows, and the surfaces that they hit; one element for
+///   each group of `rows_per_task` rows. Empty if they have not been computed.
 /// - `plain`: compact copies of the eye rays that hit no mirror or glass, grouped as `samples`. Empty if they
 ///   have not been computed.
 struct FrameRows {
@@ -39,7 +39,7 @@ struct FrameRows {
 [[nodiscard]] RasterWindow recorded_corners(const SampleFileReader& file);
 
 /// The data of a sample file from which images of all lenses are computed: surface samples (records), eye
-/// rays (point samples) and surfaces.
+/// rays with the samples that they hit (point samples), and surfaces formed by neighbouring samples.
 ///
 /// Only one thread at a time may use a frame. Exception: if the frame keeps its rows in memory, several
 /// threads may call visit_rows after a first call has visited the rows.
@@ -59,16 +59,19 @@ class FocusFrame {
 
     /// Returns all surfaces at an instant of the sample file, cut into squares of 16 x 16 px. Valid until the
     /// next call for this instant.
-    /// - `rule`: selects highlights to store separately; `rule.above` must be the same in all calls
+    /// - `rule`: selects highlights to store separately from the surfaces; its radiance limit `rule.above`
+    ///   must be the same in all calls
     /// - `also`: receives the samples of each row once; only for instant 0
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// Returns, for each pixel, a bound of the error that linear reprojection to another lens point causes:
-    /// Record::w_bend, in 1/m^2. The result has the rows [y_begin, y_end), and possibly more rows.
+    /// Returns the largest Record::w_bend of each pixel, in 1/m^2. It bounds the position error of linear
+    /// reprojection to other lens points (see LargestBends). The result has the rows [y_begin, y_end), and
+    /// possibly more rows.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
-    /// Returns the depths of the surfaces at the border of the traced area, at the first recorded instant.
+    /// Returns the depths of the surfaces at the border of the traced area (image and overscan), at the first
+    /// recorded instant.
     [[nodiscard]] const BorderDepths& border_depths();
 
   private:

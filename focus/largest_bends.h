@@ -1,4 +1,5 @@
-// Finds, for each pixel, how wrong linear reprojection of its surface to other lens points is, in 1/m^2.
+// Finds, for each pixel, by how much linear reprojection to other lens points misplaces the pixel's surfaces:
+// the largest w_bend, in 1/m^2.
 #pragma once
 
 #include <vector>
@@ -10,15 +11,15 @@ namespace postlens {
 /// Smallest radiance that an image of 8 bits per channel shows.
 inline constexpr float darkest_shown = 1.0F / 255;
 
-/// For each pixel, the largest w_bend of the surfaces that the pinhole sees. w_bend, in 1/m^2, measures how
-/// wrong the position of a surface sample is after linear reprojection to another lens point. For an aperture
-/// of diameter D, the error in px is at most:
+/// For each pixel, the largest w_bend of the recorded surfaces that the pinhole image shows. w_bend, in
+/// 1/m^2, measures how wrong the position of a surface sample is when it is extrapolated linearly to another
+/// lens point. For an aperture of diameter D, the error in px is at most:
 ///
 ///     (film distance / pixel pitch) w_bend (D / 2)^2
 class LargestBends {
   public:
-    /// Allocates memory for the rows [y_begin, y_end) of the image that `header` describes. The overscan is
-    /// not included.
+    /// Allocates the values of the image rows [y_begin, y_end), one per pixel. The image is the one that
+    /// `header` describes, without the overscan.
     LargestBends(const SampleHeader& header, int y_begin, int y_end);
     /// Adds the samples of the image rows [y_begin, y_end), in parallel. Rows outside the range given to the
     /// constructor are skipped.

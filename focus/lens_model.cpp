@@ -23,8 +23,8 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] bool is_round() const override { return false; }
     [[nodiscard]] bool is_even() const override { return false; }
     [[nodiscard]] bool is_point_symmetric() const override { return false; }
-    // If the blur radius is at least this, in px, kernels are computed for fewer subpixel positions. The
-    // difference is invisible.
+    // Blur kernels of at least this radius, in px, are computed for fewer subpixel positions than smaller
+    // kernels. The difference is invisible.
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] bool varies_over_field() const override { return true; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
@@ -41,8 +41,8 @@ class LensModel final : public ResponseModel {
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
-        // The radius of the blur that astigmatism causes, in px. The factor 1.5 is a margin for pupils wider
-        // than the nominal aperture.
+        // `further` is the part of the map that causes astigmatism. `stretched`, the radius of this blur in
+        // px, has a factor of 1.5, because the pupil may be wider than the nominal aperture.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -55,15 +55,15 @@ class LensModel final : public ResponseModel {
                                              geometry_.aperture_radius_m,
                              .axis = place_px > 0 ? request.place_px / place_px : glm::dvec2(0, 1),
                              .centre_px = request.phase_px};
-        // Blur smaller than a pixel has no visible shape, so a disc replaces it. If the centre of the disc is
-        // a pixel corner, its light is divided equally among the four pixels around the corner.
+        // The shape of blur smaller than a pixel is invisible, so it is drawn as a disc. A disc centred on a
+        // pixel corner gives each of the four pixels around the corner the same light.
         constexpr double least_px = 0.5;
         const double size_px = fan_reach_px(fan, image);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // A large astigmatic blur is drawn as an ellipse, because the lens's other aberrations are invisible
-        // in such a large blur.
+        // A large astigmatic blur is drawn as an ellipse. The lens's other aberrations would change its shape
+        // too, but are invisible in so large a blur.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,
@@ -73,8 +73,8 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // Solves map_px = gain R (1 / s - 1 / z) for 1 / z, in 1/m. gain: gain_px; R: aperture radius; s: focus
-    // distance.
+    // The mean scale of the matrix map_px, which maps the lens to its blur, is gain R (1 / s - 1 / z).
+    // Returns 1 / z, in 1/m. gain: gain_px; R: aperture radius; s: focus distance.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

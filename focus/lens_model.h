@@ -19,8 +19,8 @@ namespace postlens {
 
 /// Creates the model that computes the blur kernels of a real lens, from a table of rays traced through the
 /// lens.
-/// - `geometry`: the geometry of `view`, in px of the traced image
-/// - `half_diagonal_px`: half the diagonal of the recorded area, with overscan
+/// - `geometry`: lens geometry of `view`, with film lengths in px of the traced image
+/// - `half_diagonal_px`: half the diagonal of the recorded image with overscan
 [[nodiscard]] std::unique_ptr<ResponseModel> lens_model(const LensView& view, const FocusGeometry& geometry,
                                                         double half_diagonal_px,
                                                         double largest_inverse_depth_per_m);

@@ -32,8 +32,8 @@ struct Radii {
     [[nodiscard]] bool is_nothing() const { return std::isinf(own); }
 };
 
-/// Returns whether the sample with the radii `other` lies behind the sample with the radii `own`. Samples
-/// with nearly equal radii count as one surface.
+/// Returns whether the sample with the CoC radii `other` lies behind the sample with the CoC radii `own`.
+/// Samples with nearly equal radii count as one surface.
 bool is_farther(const Radii& other, const Radii& own) {
     return other.own - own.own >= least_step_px ||
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
@@ -105,8 +105,8 @@ class BehindSearch::Impl {
     }
 
   private:
-    /// Marks a translucent pixel in `fills_` if no pixel within reach of its blur shows a farther surface.
-    /// The marked pixel then counts as opaque.
+    /// Marks a translucent pixel in `fills_`, so that it counts as opaque, if no pixel within reach of its
+    /// blur shows a farther surface. What lies behind it is then unknown.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -141,8 +141,9 @@ class BehindSearch::Impl {
         }
         if (count == 0) return {};
         if (has_ids_) count = keep_most_seen(finds, count);
-        // The estimate gets its depth and object from the surface closest to the pixel (x, y) in the image.
-        // Its colour is the mean of all surfaces in `finds` at nearly this depth.
+        // `finds` are farther surfaces around the pixel (x, y). The estimated hidden surface gets the depth
+        // and object of the closest of them. Its colour is the mean of all surfaces in `finds` at nearly this
+        // depth.
         const Find* nearest =
             std::min_element(finds.data(), finds.data() + count,
                              [](const Find& a, const Find& b) { return a.distance_px < b.distance_px; });
@@ -249,8 +250,8 @@ class BehindSearch::Impl {
         return {own, s.moved_inverse_z < 0 ? own : radius_px(s.moved_inverse_z)};
     }
 
-    /// For each pixel, counts the steps along the direction `d` to the next edge, i.e. where the surface
-    /// becomes farther away. Sets `steps` to 0 if there is no such edge.
+    /// For each pixel, counts the steps in the direction `d` to the next edge: a pixel that shows a farther
+    /// surface than the pixel before it. Sets `steps` to 0 if there is no edge.
     void find_steps(const Direction& d, std::vector<std::uint8_t>& steps) const {
         steps.assign(pixels(), 0);
         const int first = d.dx < 0 ? 1 : 0, end = d.dx > 0 ? width_ - 1 : width_;
@@ -301,7 +302,7 @@ class BehindSearch::Impl {
     }
 
     /// Searches from the pixel (x, y) in `direction` for the first farther surface whose circle of confusion
-    /// reaches that of the pixel. `own` has the radii of the pixel's surface.
+    /// overlaps or touches that of the pixel. `own` has the CoC radii of the pixel's surface.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -330,8 +331,9 @@ class BehindSearch::Impl {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Keeps only the surfaces in `finds` of one object: the one with the largest sum of weights. Otherwise,
-    /// a small light source near an edge could brighten the estimates along the whole edge.
+    /// Keeps only one object's surfaces among those found around a pixel (`finds`): the object with the
+    /// largest sum of weights. Otherwise, a small light source could brighten all hidden surfaces estimated
+    /// along an edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;
@@ -469,8 +471,8 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
     for (int y = window.y_begin; y < window.y_end; ++y) {
         for (int x = window.x_begin; x < window.x_end; ++x) {
             const std::size_t k = at(x, y);
-            // The blur reaches 0.75 px farther than the CoC radius. 0.5 px are half the pixel's width, and
-            // rounding of depths may enlarge the radius by 0.25 px.
+            // The blur may reach 0.75 px farther than the CoC radius: 0.5 px for half the pixel's width, plus
+            // 0.25 px because kernels are computed for rounded depths.
             const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
             const int reach = static_cast<int>(std::ceil(radius + aberration_px + 0.75)) - 1;
             const int column = x - known.x_begin, row = y - known.y_begin;

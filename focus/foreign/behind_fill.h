@@ -62,8 +62,8 @@ class BehindSearch {
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
                                               double aberration_px = 0);
 
-/// Returns, for each pixel, row by row, an upper bound of the fraction of the blurred pixel that shows empty
-/// space. The bound is not tight, and may exceed 1.
+/// Returns, row by row, an upper bound of each pixel's fraction of empty space in the blurred image. The
+/// bound is not tight, and may exceed 1.
 [[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
                                                   const FocusGeometry& geometry, const RasterWindow& window,
                                                   double aberration_px = 0);

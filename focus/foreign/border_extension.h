@@ -13,9 +13,9 @@
 
 namespace postlens {
 
-/// Extends surfaces beyond the image border, because their blur may reach into the image. A surface extends
-/// as far outside the image as it does inside, but not farther than its blur radius. Its colour and alpha
-/// outside are means over the same distance inside.
+/// Extends surfaces beyond the image border, because their blur may reach into the image. A surface is
+/// extended by n pixels: as far as it reaches into the image, but at most by its blur radius. Its colour and
+/// alpha outside are the means of its n pixels at the border.
 class BorderExtension {
   public:
     /// `aberration_px` is the distance by which spherical aberration spreads light beyond the CoC radius.
@@ -24,19 +24,19 @@ class BorderExtension {
     /// Returns the rectangle of pixels that contains the image and the surfaces extended beyond the image
     /// border.
     [[nodiscard]] const RasterWindow& window() const { return window_; }
-    /// Sets `stack` to samples that continue the image's surfaces into the pixel (x, y), outside the image.
-    /// Returns the index of the border pixel from which they come, if any.
+    /// Sets `stack` to the samples of surfaces that are extended from the image to the pixel (x, y) outside.
+    /// Returns the index of the border pixel from which they are extended, if any.
     [[nodiscard]] std::optional<std::size_t> continued(int x, int y, std::vector<StackSample>& stack) const;
 
   private:
     /// A sample at the image border, extended by `length_px` pixels beyond the border. The colour of `sample`
-    /// is the mean over as many pixels inside the image.
+    /// is the mean of its surface's `length_px` pixels inside the border.
     struct Continued {
         StackSample sample;
         int length_px = 0;
     };
-    /// For each pixel along one side of the image, the extensions of the pixel's samples beyond this side.
-    /// Empty if the file shows empty space there.
+    /// The extended samples along one side of the image, one list for each pixel of this side. A list is
+    /// empty if the file shows empty space there.
     using Side = std::vector<std::vector<Continued>>;
 
     [[nodiscard]] Side side(int x, int y, int along_x, int along_y) const;

@@ -1,5 +1,5 @@
-// Converts each sample of an image from another program to a quadrilateral, which can be drawn as seen from
-// many lens points.
+// Converts each sample (colour and depth) of another program's image to a quadrilateral, which can be drawn
+// as seen from many lens points.
 #pragma once
 
 #include <array>

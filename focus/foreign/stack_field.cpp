@@ -78,7 +78,7 @@ bool is_opaque(const Facet& f, std::uint32_t view) {
 /// The rows of the image that one task draws.
 class Band {
   public:
-    /// `nothing` has one value per pixel: 1 if empty space lies behind the pixel's samples, else 0.
+    /// `nothing` has one value per pixel: 1 if empty space lies behind the pixel's farthest sample, else 0.
     Band(const Facets& facets, const std::vector<std::uint8_t>& nothing, const StackFieldSettings& s,
          int y_begin, int y_end)
         : facets_(facets),
@@ -115,8 +115,8 @@ class Band {
             const auto views = static_cast<float>(s_.views);
             for (std::size_t c = 0; c < 3; ++c)
                 out.image.rgb[3 * k + c] = static_cast<float>(sums_[i].rgba[c] / s_.views);
-            // Alpha is averaged over unblocked lens points only, because vignetting must not make a pixel
-            // translucent.
+            // Alpha is averaged over the `passed` lens points that the aperture does not block, because
+            // vignetting must not make a pixel translucent.
             const float passed = passed_.empty() ? views : passed_[i];
             const auto alpha = static_cast<float>(sums_[i].rgba[3]);
             out.image.alpha[k] = passed > 0 ? alpha / passed : 1;
@@ -240,8 +240,8 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // Counts, for each pixel, the lens points that see no surface of the image. Surfaces estimated beyond
-        // the image border do not count as surfaces of the image.
+        // Counts, for each pixel, the lens points that see no surface of the image. Surfaces extended beyond
+        // the image border (`beyond`) do not count.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;

@@ -37,14 +37,15 @@ struct ObjectShare {
 };
 
 struct StackField {
-    /// The image that the lens forms, with premultiplied colours and alpha. Alpha is a random estimate, so it
-    /// may exceed 1.
+    /// The image that the lens forms, with premultiplied colours and alpha. Alpha has random noise, so it may
+    /// exceed 1.
     Image image;
-    /// For each pixel, the fraction of lens points that look past all surfaces in the file. It is 0 if the
-    /// file shows empty space behind the pixel, because no surface is missing there.
+    /// For each pixel, the fraction of lens points that see none of the file's surfaces in this pixel. It is
+    /// 0 if the file shows empty space behind the pixel's samples, because no surface is missing there.
     std::vector<float> unseen;
-    /// The value by which divide_by_covered() divides a pixel: its mean alpha over the lens points, including
-    /// holdout objects. At least 1 if empty space lies behind the pixel, so that the pixel stays translucent.
+    /// divide_by_covered() divides a pixel's colour and alpha by this value: the mean alpha over the lens
+    /// points, including holdout objects. It is at least 1 if empty space lies behind the pixel's samples, so
+    /// that the pixel stays translucent.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };

@@ -12,27 +12,28 @@
 
 namespace postlens {
 
-/// The value of a sample that is blurred: its colour, or its alpha in all three channels.
+/// Which value of a sample is blurred like a colour: its colour, or its alpha in all three channels.
 enum class StackValue { colour, alpha };
 
-/// Converts the samples of a pixel to two kinds of light: visible to the pinhole, or hidden by nearer
-/// samples. Samples with similar signed CoC radii form one surface.
+/// Converts the samples of a pixel to the light that the pinhole sees, and the light that nearer samples hide
+/// from it. Samples with similar signed CoC radii form one surface.
 class StackLights {
   public:
-    /// If `with_nothing` is true, empty space counts as a sharp black surface at infinity. Otherwise, empty
-    /// space is ignored.
+    /// If `with_nothing` is true, empty space behind the samples is added as a sharp black surface at
+    /// infinity. Otherwise, empty space is ignored.
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
     /// Appends the light of one pixel to `out`. `stack` has the samples of the pixel, and `x` is its column.
-    /// - `fills`: whether the last sample counts as opaque, whatever its alpha is
+    /// - `fills`: whether the last sample counts as opaque even if its alpha is below 1
     /// - `open`: transmittance of all samples of the pixel together
     /// - `behind`: the estimated surface behind the samples, or null
+    /// - `value`: what is blurred, colour or alpha
     void add(int x, std::span<const StackSample> stack, bool fills, double open, const Behind* behind,
              StackValue value, std::vector<PixelLight>& out);
 
-    /// Returns the number of the surface to which samples with this signed CoC radius belong. Samples of
-    /// similar radii form one surface.
+    /// Returns the number of the surface to which samples with this signed CoC radius belong. The number is
+    /// the radius rounded to about 1 px, or to about 1/16 of large radii.
     [[nodiscard]] static std::uint32_t surface_of(double signed_radius_px);
     static constexpr std::uint32_t nothing = ~std::uint32_t{0};
 
@@ -42,7 +43,7 @@ class StackLights {
         double radius_px, seen;
     };
     /// Two inverse depths of a sample, in 1/m. They differ only if an effect, such as "keep this object
-    /// sharp", changes the blur of the sample's object.
+    /// sharp", changes the blur of the sample's object, but not the order in depth.
     /// - `order`: depth for compositing
     /// - `spread`: depth for the circle of confusion
     struct Depths {

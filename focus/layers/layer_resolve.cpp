@@ -9,11 +9,11 @@ namespace {
 using Kind = LayerPart::Kind;
 
 /// If the samples of a mirror image cover less than this fraction of a pixel, their mean colour is
-/// unreliable. The colour is then mixed with that of the mirror image blurred like the mirror itself.
+/// unreliable. It is then mixed with the mirror image's colour when blurred like the mirror's surface.
 constexpr double enough_weight = 0.05;
 
-/// Light that arrives at a pixel after one sequence of reflections and transmissions, for example after a
-/// single reflection.
+/// Light that arrives at a pixel after one sequence of reflections and transmissions, such as a single
+/// reflection. `terms` has the sums of everything seen after this sequence.
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};
@@ -28,8 +28,8 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds the light `rgb` that a mirror or glass shows to the light of this `surface`. The reflected or
-/// transmitted image covers the fraction mask.alpha of the pixel.
+/// Adds `rgb`, the light of a reflected or transmitted image, to `surface`, the mirror or glass that shows
+/// it. The image covers the fraction mask.alpha of the pixel.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) surface.rgb[c] += mask.alpha * rgb[c];
@@ -57,8 +57,9 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// Fills `fragments` with the surfaces seen in a mirror or through glass (`terms`). Their light includes what
-/// these surfaces reflect and transmit in turn (`longer`). Returns the sum of the surfaces' weights.
+/// Fills `fragments` with the surfaces in `terms`, which are seen in a mirror or through glass. Adds the
+/// light that these surfaces reflect and transmit in turn (`longer`). Returns the sum of these
+/// surfaces' weights.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -122,8 +123,8 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     if (!out || own == terms.size()) return out;
     thread_local std::vector<Chain> chains;
     chains.clear();
-    // Resolves the longest sequences of bounces first. For example, a surface seen after one bounce needs the
-    // light of surfaces seen after two bounces.
+    // Computes the light of the longest sequences of bounces first. For example, a surface seen after one
+    // bounce needs the light of surfaces seen after two bounces.
     for (std::size_t end = terms.size(); end > own;) {
         std::size_t begin = end - 1;
         while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;

@@ -26,8 +26,8 @@ struct LayerTerm {
 inline constexpr double smallest_layer_weight = 1e-12;
 
 /// Returns the light of a directly visible surface at a pixel, including its reflections and refractions.
-/// Returns nothing if the surface's blur does not reach the pixel. `terms` has sums for the surface and for
-/// everything seen in it, sorted by LayerTerm::part.
+/// Returns nothing if the surface's blur does not reach the pixel. `terms` has the sums of blurred light of
+/// the surface and of all that it reflects and transmits, sorted by LayerTerm::part.
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

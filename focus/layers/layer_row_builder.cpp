@@ -10,8 +10,8 @@ namespace {
 /// From these CoC radii on, in px, the centres of blur discs are rounded to a quarter pixel or a whole pixel.
 /// More samples then share a blur kernel, and the change is not visible.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// With these blur radii, in px, NodeResponses::phases rounds the centres of blur kernels to quarter pixels
-/// and to whole pixels.
+/// Blur radii, in px, for which NodeResponses::phases rounds the centres of blur kernels: the first to
+/// quarter pixels, the second to whole pixels.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -53,8 +53,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     const std::uint32_t number = number_of(part);
     const double spherical_px = t_.responses_.model().spherical_px();
     NodeResponse coarser = response;
-    // Rounds the centre of a uniform blur disc to a coarser grid. Other kernels keep finer positions, because
-    // their bright core would visibly move.
+    // Rounds the centre of a uniform blur disc to a coarser grid, so that more samples share a kernel. Other
+    // kernels keep finer positions, because a bright core would visibly move.
     if (!alone_ && t_.responses_.model().is_even() && response.radius_px >= quarter_steps_from_px)
         coarser.radius_px =
             std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
@@ -77,8 +77,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Adds a sample, or merges it with one of the same pixel, surface and blur kernel. `hash` must not depend on
-// thread timing, so that results are bit-identical.
+// Adds a sample, or merges it with one of the same pixel, surface (`number`) and blur kernel. `hash` affects
+// which samples are merged, so it must not depend on thread timing. The result is then bit-identical.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
@@ -135,7 +135,8 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
 }
 
 // If `from` is the far side of a glass object, returns the near side; otherwise returns `from`. Light through
-// glass is blurred like the near side, because refraction can make the far side's blur far too large.
+// glass is blurred like the near side, which has the object's outline. Refraction can make the far side's
+// blur far too large.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -172,8 +173,8 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     covered_ = 0;
     const NodeResponse primary = t_.responses_.to_depth(inverse_depth, place_px_);
     if (kind == LayerPart::Kind::seen) {
-        // The reported largest CoC is that of a directly visible surface at a finite depth. Empty space, at
-        // an inverse depth of 0, does not count.
+        // largest_coc_px() reports the largest CoC of the directly visible surfaces at a finite depth. Empty
+        // space, at an inverse depth of 0, is no surface.
         if (inverse_depth > 0)
             row_.largest_radius_px = std::max(row_.largest_radius_px, primary.exact_radius_px);
         t_.border_.note(t_.source_, s, y_, primary.farthest_px);
@@ -205,7 +206,8 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// Adds surfaces in mirrors or behind glass that the pinhole does not see, but other lens points see.
+// Adds surfaces in mirrors or behind glass that the pinhole does not see, but other lens points see. `nodes`
+// has these surfaces and the mirrors or glass.
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

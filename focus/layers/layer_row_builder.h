@@ -32,8 +32,9 @@ class LayerSplats::RowBuilder {
     void begin_row(int y);
     void end_row();
     void add_light(const PixelLight& light);
-    /// Surface samples along the eye ray through (x, y), from one depth layer. Layer 0 has the surfaces that
-    /// the pinhole sees. All other layers have hidden surfaces.
+    /// Surface samples that the eye ray through (x, y) hits, directly and by reflections and refractions,
+    /// from one depth layer. Layer 0 has the surfaces that the pinhole sees. All other layers have hidden
+    /// surfaces.
     struct Nodes {
         float x, y;
         std::span<const Record> records;
@@ -54,8 +55,8 @@ class LayerSplats::RowBuilder {
                            SurfaceKey surface);
     [[nodiscard]] const Met* met_at(NodePath path) const;
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// Adds the light of the node `met` once more, blurred like the mirror or glass `from` that shows it.
-    /// This sum (mask) tells how much of each pixel shows the node.
+    /// A mask is a sum that tells how much of each pixel shows the node `met` in a mirror or through glass.
+    /// Adds the light of `met` to it, blurred like the mirror or glass `from`.
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);

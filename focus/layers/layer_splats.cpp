@@ -147,7 +147,7 @@ void LayerSplats::find_reach(LayerCell& cell) const {
     }
 }
 
-// Groups samples of the same surface in the same square of 64 x 64 px, for one row of squares.
+// For one row of squares of 64 x 64 px, collects the samples of each surface in each square.
 std::vector<LayerCell> LayerSplats::join(std::size_t tile_row) {
     const std::size_t first_row = tile_row * tile_px, last_row = std::min(first_row + tile_px, rows_.size());
     std::vector<PlacedRun> placed;

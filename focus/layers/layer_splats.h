@@ -22,9 +22,9 @@
 
 namespace postlens {
 
-/// Identifies a surface that an eye ray hits. The ray may hit several surfaces of one object.
+/// Identifies one of the surfaces that an eye ray hits. The ray may hit several surfaces of one object.
 /// - `id`: number of the object
-/// - `before`: number of the same object's surfaces in front of this one
+/// - `before`: how many surfaces of the same object the ray hits in front of this one
 struct SurfaceKey {
     std::uint32_t id = 0;
     std::uint32_t before = 0;
@@ -44,30 +44,32 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface seen after the bounces `path`. In a mask, the mirror or glass that shows this surface.
-    /// Empty if that is the member `surface`.
+    /// The surface that is seen after the bounces `path`, or, in a mask, the mirror or glass that shows this
+    /// surface. The key is empty if it would equal the member `surface`.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
     friend auto operator<=>(const LayerPart&, const LayerPart&) = default;
 };
 
-/// A blurred sample: colour, weight, depth, and the number of the blur kernel.
+/// A blurred sample: colour, weight, inverse depth, and the number of its blur kernel in
+/// LayerSplats::kernels().
 /// - `r`, `g`, `b`: colour times `weight`
 /// - `depth`: inverse depth times `weight`, in 1/m
 struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Factor that converts a distance from the kernel's centre, in px, to the mean lens point of the light
-    /// that arrives there, in lens radii.
+    /// This factor times the distance of a pixel from the kernel's centre, in px, is the mean lens point
+    /// through which the sample's light arrives there, in lens radii.
     float lens_per_px = 0;
-    /// The part of `weight` that no lens point sees, because a surface in front, at nearly the same depth,
-    /// hides it.
+    /// The part of the sample's `weight` that a surface in front hides from all lens points, because both lie
+    /// at nearly the same depth.
     float covered = 0;
 };
 
-/// Samples of one surface in one pixel row of a 64 x 64 px square: the elements [begin, end) of a list.
+/// Samples of one surface in one pixel row of a 64 x 64 px square. They are the elements [begin, end) of the
+/// list of all samples in this pixel row.
 struct LayerRun {
     std::uint32_t row = 0;
     std::uint32_t begin = 0, end = 0;
@@ -103,30 +105,32 @@ class LayerSplats {
     LayerSplats(LayerSplats&&) = delete;
     LayerSplats& operator=(LayerSplats&&) = delete;
 
-    /// Adds the samples at the pixel corners of the rows [y_begin, y_end). `band` must contain these rows
-    /// and, if the file has them, the rows directly above and below. Throws Error(invalid_input) if a pixel's
-    /// quadtree is damaged.
+    /// Adds the surface samples at the pixel corners of the rows [y_begin, y_end) to those to be blurred.
+    /// `band` must contain these rows and, if the file has them, the rows directly above and below. Throws
+    /// Error(invalid_input) if a pixel's quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// Adds the samples at the pixel corners of `rows`, like the function above. If `rows` already has eye
-    /// rays, they are not computed again.
+    /// Adds the surface samples at the pixel corners of `rows`, like add_rows(band, y_begin, y_end). Eye rays
+    /// that `rows` already contains are not computed again.
     void add_rows(const FrameRows& rows);
-    /// Prepares for images of other programs, whose samples lie at pixel centres instead of pixel corners.
-    /// Call it before add_pixels.
-    /// - `known`: range of pixel corners around the part of the image with known content
+    /// Prepares this object for images of other programs, whose samples lie at pixel centres instead of pixel
+    /// corners. Call it before add_pixels.
+    /// - `known`: pixel corners of the part of the image whose content is known
     void take_pixels(const RasterWindow& known) {
         from_anchor_px_ = 0.5;
         known_ = known;
         border_ = BorderRadii(known);
     }
-    /// Adds row y of another program's image. Several threads may add different rows at the same time.
+    /// Adds the pixels in row y of another program's image to the samples to be blurred. Several threads may
+    /// add different rows at the same time.
     void add_pixels(int y, std::span<const PixelLight> lights);
     /// Builds the blur kernels and sorts the samples by surface. Call it after the last row.
     void finish();
 
-    /// A large image is computed in strips (groups of rows). First call survey() and add all samples. Then,
-    /// for each strip, call begin_strip(), add the rows that it returns once more, and call finish_strip().
+    /// A large image is computed in strips (groups of rows), to save memory. First call survey() and add all
+    /// samples, to find the surfaces and blur kernels. Then, for each strip, call begin_strip(), add the rows
+    /// that it returns once more, and call finish_strip().
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
@@ -139,8 +143,8 @@ class LayerSplats {
     [[nodiscard]] const FocusGeometry& geometry() const { return responses_.geometry(); }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
     [[nodiscard]] std::span<const LayerPart> parts() const { return parts_; }
-    /// Returns the groups of samples, one for each surface in each tile of the image, sorted by surface, then
-    /// by tile.
+    /// Returns the groups of samples, sorted by surface, then by tile. Each group (LayerCell) has the samples
+    /// of one surface in one tile of the image.
     [[nodiscard]] std::span<const LayerCell> cells() const { return cells_; }
     [[nodiscard]] std::span<const LayerRun> runs(const LayerCell& cell) const {
         return std::span(tile_runs_[cell.tile_row]).subspan(cell.begin, cell.end - cell.begin);
@@ -151,8 +155,8 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Returns the position of samples relative to pixel corners, in px along both axes: 0, or 0.5 for images
-    /// of other programs.
+    /// Returns the distance of a sample from the upper left corner of its pixel, in px along both axes: 0, or
+    /// 0.5 for images of other programs.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
     [[nodiscard]] const RadianceRange& colours() const { return colours_; }
@@ -161,7 +165,7 @@ class LayerSplats {
     class RowBuilder;
     struct Builders;
     enum class Keep : std::uint8_t { all, none, strip };
-    /// The samples of one surface in one row of a square of 64 x 64 px.
+    /// The samples of one surface (`part`) in one pixel row of a square of 64 x 64 px.
     struct PlacedRun {
         std::uint32_t part = 0;
         std::uint32_t tile = 0;  ///< column of squares

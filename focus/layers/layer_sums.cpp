@@ -19,8 +19,8 @@ typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias)
 typedef double EightStored __attribute__((vector_size(64), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
 
-/// The values of a sample that are multiplied by its blur kernel and summed in each pixel, in the order of
-/// LayerSums::sums_.
+/// The values of a sample that are summed in each pixel, after multiplication by the blur kernel. Their order
+/// is that of LayerSums::sums_.
 struct PlainValues {
     static constexpr std::size_t count = LayerSums::plain_values;
     EightDoubles light;
@@ -84,8 +84,8 @@ constexpr std::size_t longest_run = 64;
 /// the row's ends.
 constexpr std::size_t padding = 8;
 
-/// Returns how many samples, from the first one on, can be blurred together: adjacent samples with the same
-/// kernel. Returns 0 if the blur of the first sample does not reach the pixels `rows`.
+/// Returns how many samples, from the first one on, can be blurred together: samples of adjacent pixels with
+/// the same kernel. Returns 0 if the blur of the first sample does not reach the pixel window `rows`.
 __attribute__((always_inline)) inline std::size_t run_length(std::span<const LayerSplat> splats,
                                                              const Reach& reach, const RasterWindow& rows) {
     const LayerSplat& s = splats[0];
@@ -117,7 +117,7 @@ __attribute__((always_inline)) inline void convolve_few(const Values* values, co
 
 /// Convolves samples (`values`) with a kernel row (`taps`), and adds the result to a row of pixels.
 /// - `values`: with `padding` zeros before and after them in memory
-/// - `first`: pixel of the product values[0] * taps[0]
+/// - `first`: pixel of `row` to which the product values[0] * taps[0] is added
 /// - `begin`, `end`: range of the pixels in `row`
 template <typename Values>
 __attribute__((always_inline)) inline void convolve(std::span<const Values> values,
@@ -257,8 +257,8 @@ void add_with_lens(const LayerPass& pass) {
     add_splats<LensValues>(pass);
 }
 
-/// Adds the cumulative sums of `changes` to `sums`. `changes` has differences between neighbouring pixels of
-/// a row, so their cumulative sums are pixel values. Each of the `width` pixels has `numbers` values.
+/// Adds a row of `width` pixels, each with `numbers` values, to `sums`. `changes` stores the row as
+/// differences between neighbouring pixels, so the cumulative sums of `changes` are the values.
 template <std::size_t numbers>
 __attribute__((always_inline)) inline void sum_row(double* sums, const double* changes, std::size_t width) {
     double inside[numbers] = {};

@@ -13,20 +13,21 @@ namespace postlens {
 /// Sums over the blurred samples of one surface, for each pixel of a block: colour, weight and depth, each
 /// multiplied by the blur kernel.
 ///
-/// The uniform interior of a kernel is stored as differences between neighbouring pixels. The time per sample
-/// is therefore proportional to the length of the kernel's outline.
+/// The uniform interior of a kernel is stored as differences between neighbouring pixels, which are 0 except
+/// at its outline. So the time per sample is proportional to the outline's length.
 class LayerSums {
   public:
-    /// Values per pixel: 8, which fill an AVX-512 register, or 12 if lens_at() is used.
+    /// Number of sums per pixel: 8, which fill an AVX-512 register, or 12 with the sums for lens_at().
     static constexpr std::size_t plain_values = 8, lens_values = 12;
 
-    /// Sets the sums of all pixels in `rows` to 0.
+    /// Sets the sums of blurred light of all pixels in `rows` to 0.
     /// - `with_lens`: whether lens_at() will be called
-    /// - `from_anchor_px`: offset of a sample from the top left corner of its pixel, along x and y: 0, or 0.5
-    ///   if samples lie at pixel centres
+    /// - `from_anchor_px`: offset of a sample from the top left corner (anchor) of its pixel, along x and y:
+    ///   0, or 0.5 if samples lie at pixel centres
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
-    /// Completes the sums. Call it after the last `add` and before reading the sums.
+    /// Completes the sums of all pixels from the stored differences. Call it after the last `add` and before
+    /// reading the sums.
     void finish();
 
     [[nodiscard]] const RasterWindow& rows() const { return rows_; }
@@ -34,8 +35,8 @@ class LayerSums {
     [[nodiscard]] const double* at(int x, int y) const { return sums_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[4]; }
     [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[5]; }
-    /// Returns the sums of light times lens point, and of weight times lens point, over the samples at a
-    /// pixel. They tell through which side of the lens the light arrives.
+    /// Returns two sums over the samples at a pixel: of light times the lens point through which it passes,
+    /// and of weight times this point. They tell through which side of the lens the light arrives.
     [[nodiscard]] LensMoments lens_at(int x, int y) const;
 
   private:

@@ -27,8 +27,8 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
            float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
-    // Vignetting reduces all weights. Dividing by the unvignetted fraction `open` of the lens gives an opaque
-    // pixel the weight 1 again.
+    // Vignetting reduces the weights of all surfaces. Dividing by the unvignetted fraction `open` of the lens
+    // gives an opaque pixel the weight 1 again.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {
@@ -46,8 +46,8 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     }
 }
 
-/// Returns whether compositing distinguishes through which side of the lens a surface's light arrives. It
-/// does so for directly visible surfaces, but not for mirror images.
+/// Returns whether compositing needs to know through which side of the lens the light of `part` arrives. It
+/// does for directly visible surfaces, but not for mirror images.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }
@@ -272,7 +272,7 @@ void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& 
 
 namespace {
 
-/// For each pixel, the blurred light of one surface or mirror image.
+/// The blurred light of one surface or mirror image at each pixel, as layers_reference() computes it.
 using ReferenceSums = std::vector<LayerTerm>;
 
 void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPart& part, std::size_t channel,

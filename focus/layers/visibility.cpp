@@ -13,8 +13,9 @@ double independence(double radius_px, double other_px) {
 
 namespace {
 
-/// A transmittance or coverage that is linear over the lens: mean + 4 tilt . q at the lens point q, in lens
-/// radii. `tilt` is the mean of (value * q). The factor is 4 because the mean of q.x^2 is 1/4.
+/// A transmittance or coverage that is linear over the lens. Its value at the lens point q, in lens radii, is
+/// mean + 4 tilt . q. `tilt` is the mean of value times q over the lens. The factor is 4 because the mean of
+/// q.x^2 is 1/4.
 ///
 /// If two linear functions have the means m1, m2 and the tilts t1, t2, their product has the mean and tilt:
 ///
@@ -28,8 +29,8 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Returns the fraction of a surface's light that is transmitted. The light is linear over the lens too:
-    /// `sum` is its mean, and `moment` its tilt.
+    /// Returns the fraction of a surface's light that is transmitted. Like the transmittance, the light is a
+    /// linear function over the lens: `sum` is its mean, and `moment` its tilt.
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
         const double varies = sum == 0 ? 0 : 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum;
         return std::clamp(mean + varies, 0.0, 1.0);
@@ -91,14 +92,15 @@ struct Arrived {
         for (std::size_t c = 0; c < 3; ++c) rgb[c] += shown * light.rgb[c];
         const double whole = times * light.alpha;
         alpha += whole * open.passing(light.alpha, light.lens.alpha);
-        // The tilt of a product (see OverLens): the light's alpha times the transmittance `open`.
+        // `lens` is the tilt of a product of two functions over the lens: the light's alpha and the
+        // transmittance `open`. OverLens has the formula.
         lens.x += times * open.mean * light.lens.alpha.x + std::min(whole, 1.0) * open.tilt.x;
         lens.y += times * open.mean * light.lens.alpha.y + std::min(whole, 1.0) * open.tilt.y;
     }
 };
 
-/// Returns the coverage by surfaces that shift almost together with a surface of the signed CoC radius
-/// `radius_px` when the lens point moves.
+/// Returns the coverage of a pixel by those surfaces in `laid` that shift almost as far as a surface of the
+/// signed CoC radius `radius_px` when the lens point moves.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     for (std::size_t i = laid.size(); i-- > 0;) {
@@ -127,8 +129,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     double total = 0;
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        // The pinhole sees the samples `f.seen`, so surfaces at nearly the same depth hide them from no lens
-        // point. `open` is the transmittance without those surfaces.
+        // The pinhole sees the samples `f.seen`. A nearer surface at nearly the same depth moves with them,
+        // so it hides them from no lens point. `open` is the transmittance of all other nearer surfaces.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
@@ -137,8 +139,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // If too little of the surface's light arrives, some of its light that is hidden by surfaces in front
-        // is added. Scaling up the visible light could make pixels arbitrarily bright.
+        // If less of the surface's light arrives than nearer surfaces must leave visible (`least`), some of
+        // its hidden light is added. Scaling up the visible light could make pixels arbitrarily bright.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)
@@ -148,8 +150,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // Limits the tilt to the largest one possible: A (1 - A), for a function over the lens with values
-        // from 0 to 1 and the mean A.
+        // Limits the tilt of the transmittance `free`. A function over the lens with values from 0 to 1 and
+        // the mean A has at most the tilt A (1 - A).
         const double most = free.mean * (1 - free.mean),
                      is = std::sqrt(free.tilt.x * free.tilt.x + free.tilt.y * free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};

@@ -8,14 +8,14 @@
 
 namespace postlens {
 
-/// Sum of light times the lens point through which it passes, in lens radii. It shows on which side of the
-/// lens the light is concentrated.
+/// Sum over the light at a pixel: each part of the light, times the lens point through which it passes, in
+/// lens radii. It shows on which side of the lens the light is concentrated.
 struct LensMoment {
     double x = 0, y = 0;
 };
 
-/// Tells through which side of the lens a surface's light arrives. One moment serves red, green and blue,
-/// because the hue of a surface varies little over the lens.
+/// Two lens moments of a surface's light at a pixel. They tell through which side of the lens it arrives. One
+/// moment serves red, green and blue, because the hue of a surface varies little over the lens.
 struct LensMoments {
     LensMoment rgb;  ///< of red + green + blue
     LensMoment alpha;
@@ -44,8 +44,8 @@ struct Fragment {
     double covered = 0;  ///< part of hidden.alpha that no lens point sees, because its occluder moves with it
 };
 
-/// Returns how independently two surfaces shift when the lens point moves, from 0 (together) to 1. For their
-/// signed CoC radii r1 and r2, in px, it is:
+/// Returns how differently two surfaces shift in the image when the lens point moves, from 0 (together) to 1
+/// (independently). For their signed CoC radii r1 and r2, in px, it is:
 ///
 ///     min(1, |r1 - r2| / (max(|r1|, |r2|) + 1))
 [[nodiscard]] double independence(double radius_px, double other_px);

@@ -19,8 +19,8 @@
 namespace postlens {
 namespace {
 
-/// Returns a function that tells whether the aperture transmits light through the lens point of `view` to the
-/// image pixel (x, y). It is empty if all pixels see the same aperture.
+/// Returns a function that tells whether light from the lens point of `view` passes the aperture on its way
+/// to the image pixel (x, y). The returned function is empty if all pixels see the same aperture.
 std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensViewPoint& view) {
     if (!s.aperture.varies_over_field()) return {};
     const glm::dvec2 middle(s.window.width() / 2.0, s.window.height() / 2.0);
@@ -32,8 +32,8 @@ std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensVie
     };
 }
 
-/// Numbers the motions of a scene. Each object that moves by itself has its own number, from 1. All other
-/// objects move at most with the camera, and have the number 0.
+/// Numbers the motions of a scene's objects. Each object that moves by itself has its own number, from 1. All
+/// other objects shift in the image only if the camera moves, and have the number 0.
 class Motions {
   public:
     explicit Motions(const FieldShutter& shutter) : shutter_(shutter) {
@@ -50,8 +50,8 @@ class Motions {
         return found == classes_.end() ? 0 : found->second;
     }
     [[nodiscard]] bool moves(std::uint32_t id) const { return camera_ || class_of(id) != 0; }
-    /// Returns how surface points move on the raster between two instants: first the map of objects without
-    /// own motion, then one map per moving object.
+    /// Returns how surface points move on the raster between two instants. The first map is for all objects
+    /// without own motion, which shift only if the camera moves. Then follows one map per moving object.
     [[nodiscard]] std::vector<RasterMap> maps(double from_s, double to_s) const {
         constexpr std::uint32_t no_id = 0xFFFFFFFFU;  // an object without its own motion
         std::vector<RasterMap> out{shutter_.motion->map(no_id, from_s, to_s)};
@@ -67,7 +67,7 @@ class Motions {
 };
 
 /// Chooses the recorded instants whose surfaces are reprojected to draw the scene at the instant `time_s`.
-/// Each gets a weight, and the motion of every object from the recorded instant to `time_s`.
+/// Each chosen instant gets a weight and, for every object, the motion from this instant to `time_s`.
 std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
                                     const Motions& motions) {
     std::vector<PatchView::Use> out;
@@ -76,8 +76,8 @@ std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, doubl
     return out;
 }
 
-/// Returns whether the crop contains a gap: a drawn pixel in which no lens point sees a recorded surface.
-/// Gaps are filled from surrounding pixels, which may lie outside the crop.
+/// Returns whether the rectangle `crop` contains a gap: a drawn pixel in which no lens point sees a recorded
+/// surface. Gaps are filled from surrounding pixels, which may lie outside `crop`.
 bool has_gaps(const PatchPicture& seen, std::size_t number, std::span<const FieldViews> sets, int piece_px,
               const std::optional<OneSurface>& simple, const Crop& crop) {
     std::atomic<bool> found = false;
@@ -147,8 +147,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // Motion may shift a mirror image differently than the mirror. So if anything moves, mirror images are
-    // reprojected separately (follow_px < 0).
+    // With follow_px < 0, mirror images are reprojected separately from their mirror. This is needed if
+    // anything moves, because motion may shift the two differently.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
@@ -176,8 +176,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // The surfaces do not all fit into memory here, so rays cannot be aimed at highlights. If rays are
-        // traced, highlights are therefore reprojected like any other light.
+        // Rays can be aimed at highlights only if all surfaces fit into memory. Here they do not, so if rays
+        // are traced, highlights are reprojected with all other light.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -274,8 +274,8 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets,
     }
     std::optional<FieldStrips> strips;
     if (!p.all) {
-        // A highlight is tested for occluders from any point of the lens, not only from those of the views.
-        // So a group of image rows needs every surface that any lens point sees in these rows.
+        // Occluders of a highlight are searched from any point of the lens, not only from those of the views.
+        // So a group of image rows needs all surfaces that the whole lens sees there.
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
     }

@@ -36,12 +36,12 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< if absent, all views show the frame's own instant
-    /// If at least this fraction of all pixels shows one static surface from all lens points, these pixels
-    /// are omitted.
+    /// Pixels that show one static surface from all lens points need no views. If they are at least this
+    /// fraction of all pixels, they are left undrawn.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
-    /// If set, only the pixels in this rectangle are drawn, and all others are undefined. They are
-    /// bit-identical to those of the whole image.
+    /// If set, only the pixels in this rectangle are drawn, bit-identical to those of the whole image. All
+    /// other pixels are undefined.
     std::optional<Crop> crop;
     int piece_px = SeenTile::edge;  ///< PatchField::piece_px
     /// Memory limit, in bytes, for the surfaces of the scene. Above it, the image is drawn in groups of rows,
@@ -52,8 +52,8 @@ struct FieldFocusSettings {
     const SightRays* rays = nullptr;
 };
 
-/// The mean of the images from all lens points. Pixels in which no lens point sees a surface of the sample
-/// file are filled from the surrounding pixels.
+/// An image with lens blur: the mean of the images from all lens points. Pixels in which no lens point sees a
+/// surface of the sample file are filled from the surrounding pixels.
 struct FieldFocus : PatchPicture {
     std::vector<std::uint8_t> left_out;  ///< 1 if left out (leave_out_from_share); empty if none is
 };
@@ -73,9 +73,9 @@ struct FieldViews {
     std::function<LeftToRays(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     std::function<double(int x, int y)> aimed;
-    /// Index of the image to which these lens points contribute, if several images are drawn together. If
-    /// several sets contribute to one image, their functions `wanted` must select different squares of the
-    /// image.
+    /// Index of the image to which the lens points of this set contribute, if several images are drawn
+    /// together. If several sets contribute to one image, their functions `wanted` must select different
+    /// squares of it.
     std::size_t picture = 0;
 };
 
@@ -109,8 +109,9 @@ class FieldFocuser {
     /// shutter.
     [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
-    /// Finds the parts of the image where all lens points see a single surface. They need not be drawn here,
-    /// because the simpler method `scatter` is exact for them. Returns nothing if all pixels must be drawn.
+    /// Finds the parts of the image where all lens points see a single surface. The light field need not draw
+    /// them, because the simpler method `scatter` is exact for them. Returns nothing if all pixels must be
+    /// drawn.
     [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
                                                         FieldStrips* strips) const;
     FocusFrame& frame_;

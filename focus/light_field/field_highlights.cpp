@@ -14,27 +14,28 @@
 namespace postlens {
 namespace {
 
-/// Below this blur radius, in px, all lens points see a highlight in the same pixel. So the visibility of the
-/// highlight is tested from all lens points.
+/// A highlight with a smaller blur radius than this, in px, appears in the same pixel for all lens points. So
+/// all lens points can test its visibility there.
 constexpr double seen_by_all_px = 0.5;
-/// Kernels spread a sharp highlight only if the bright area in its square of 16 x 16 px is smaller than this,
-/// in px^2. `small_px2` is for mirror images that may be partly hidden, `sharp_px2` for unhidden highlights.
+/// A sharp highlight is spread by its blur kernel only if the bright area of its surface, within a square of
+/// 16 x 16 px, is smaller than this, in px^2. `small_px2` is for mirror images that may be partly hidden,
+/// `sharp_px2` for unhidden highlights.
 constexpr float sharp_px2 = 64, small_px2 = 4;
-/// Highlights that lie within the same small square are merged into one light source. For moving highlights,
-/// the width of the square depends on the number of instants at which they are drawn:
+/// Highlights that lie within the same small square are merged into one light source. A moving highlight is
+/// drawn at several instants of the exposure, and more instants need wider squares:
 /// - 1/8 px up to moments_of_eighths instants
 /// - 1/4 px up to moments_of_quarters instants
 /// - 1/2 px above
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
-/// Limit for the number of light sources that represent moving highlights, one per highlight and instant. To
-/// meet it, highlights are drawn at fewer instants, but at no fewer than least_moments.
+/// Largest number of light sources for moving highlights: one for each highlight and each instant at which it
+/// is drawn. To stay below, highlights are drawn at fewer instants, but at no fewer than least_moments.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
-/// Radiance of white. Only the part of a radiance above this value is treated as a highlight, and spread by
-/// blur kernels.
+/// Radiance of white. Blur kernels spread only the part of a highlight's radiance above this value. The rest
+/// is reprojected like other light.
 constexpr float white = 1;
-/// A channel of a static highlight must exceed this radiance (white). Kernels do not spread dimmer ones,
-/// because they cause little noise.
+/// A static highlight must exceed this radiance (white) in some channel to be spread by a blur kernel. Dimmer
+/// light is reprojected like other light, because it causes little noise.
 constexpr float least_radiance = 1;
 /// Highlights of one surface within a square of this width in the image share one visibility test.
 constexpr double group_px = 1.5;
@@ -51,11 +52,11 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= sharp_below_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // Kernels ignore what hides a highlight within a mirror. So they spread a sharp highlight there only
-        // if it is small.
+        // What hides a highlight within a mirror is not tested. So a sharp highlight in a mirror is spread by
+        // its blur kernel only if it is small.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // An occluder may hide only a part of a large highlight. So kernels spread only highlights that are
-        // smaller than their blur.
+        // If a highlight is larger than its blur, the image may show that an occluder hides only a part. So
+        // kernels spread only smaller highlights.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -162,10 +163,11 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
     const glm::dvec2 middle = s.at + inclination_shift_px(h, geometry_);
-    // Divides a sharp moving highlight at pixel borders, because one kernel would put the light of the whole
-    // highlight into one pixel.
+    // A sharp moving highlight may extend over several pixels, but one kernel would put its whole light into
+    // one pixel. It is therefore divided at pixel borders.
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
-    // At the border of a pixel, rounding could move light into the next pixel.
+    // A sharp static highlight (`is_point`) is kept inside its pixel. Otherwise, rounding could move its
+    // light into the next pixel.
     const bool is_point = s.u < 0 && patch_lens(geometry_).least_blur_px(h.w) < point_below_px;
     for (const Span& y : divided_at_cells(middle.y, side, 1)) {
         for (const Span& x : divided_at_cells(middle.x, side, 1)) {
@@ -231,7 +233,8 @@ void FieldHighlights::group_sources() {
         g.spread_px += s.light / g.light * off * off;
     }
     for (Group& g : groups_) g.spread_px = glm::sqrt(g.spread_px);
-    // Highlights that share parts differ in their instants. std::stable_sort would copy all.
+    // Highlights with the same parts differ in their instant `u`, so std::sort gives a unique order.
+    // std::stable_sort would copy all highlights.
     std::sort(sources_.begin(), sources_.end(), [](const Source& a, const Source& b) {
         return std::tuple(a.group, a.first_part, a.u, a.y, a.x) <
                std::tuple(b.group, b.first_part, b.u, b.y, b.x);

@@ -1,5 +1,6 @@
-// Blurs highlights (very bright light) with exact blur kernels, and tests from which parts of the lens nearer
-// surfaces hide them. All other light is blurred as the mean of images from many lens points.
+// Blurs highlights (very bright light) with exact blur kernels. Tests, for each part of the lens, whether
+// nearer surfaces hide a highlight from it. All other light is blurred as the mean of images from many lens
+// points.
 #pragma once
 
 #include <algorithm>
@@ -18,19 +19,19 @@
 
 namespace postlens {
 
-/// Returns the rule that selects highlights to be spread by blur kernels. If a highlight were blurred as the
-/// mean of a few images from single lens points, separate copies of it would be visible.
+/// Returns the rule that selects highlights to be spread by blur kernels. Other light is blurred as the mean
+/// of images from a few lens points, in which a highlight would be visible as separate copies.
 ///
-/// The rule selects none if the kernel varies over the image or has spherical aberration.
+/// The rule selects no highlights if the kernel varies over the image or has spherical aberration.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
-/// Highlights that were removed from the recorded surfaces, to be spread by blur kernels.
+/// Highlights that were removed from the recorded surfaces, because blur kernels spread them separately.
 ///
-/// For the brightest static highlights that are seen directly, occlusion is computed exactly. For others, it
-/// is looked up in images drawn from single lens points.
+/// For the brightest static highlights that are seen directly, it is computed exactly which surfaces hide
+/// them. For others, this is looked up in the views (images drawn from single lens points).
 class FieldHighlights {
   public:
-    /// Prepares the highlights of recorded surfaces to be spread by blur kernels.
+    /// Collects the highlights of recorded surfaces, and finds the blur kernel of each.
     /// - `sheets`: the recorded surfaces with their highlights; must outlive this object
     /// - `window`: the pixels of the image
     /// - `motion`: motion of the highlights; null if nothing moves
@@ -38,9 +39,9 @@ class FieldHighlights {
                     const RasterWindow& window, const HighlightMotion* motion = nullptr);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
-    /// Returns an object that adds the highlights to the mean of images from the lens points `views`. The
-    /// returned object keeps a reference to this one.
-    /// - `set`: index of the set of lens points, used as random seed
+    /// Returns an object that adds the blurred highlights to an image that is the mean of the views from the
+    /// lens points `views`. It keeps a reference to this FieldHighlights.
+    /// - `set`: index of this set of lens points, used as random seed
     /// - `instants`: instant of each lens point, as a fraction of the exposure; may be empty if nothing moves
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
@@ -81,8 +82,9 @@ class FieldHighlights {
         glm::dvec2 spread_px{0};                             ///< standard deviation of the sources' positions
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
-    /// Neighbouring highlights that share visibility tests in a tile. `samples` is the number of tested
-    /// positions per pixel. It is 0 if the views themselves show which highlights are visible.
+    /// Neighbouring highlights in a tile that share visibility tests. `samples` is the number of positions
+    /// tested in each pixel. It is 0 if no test is needed, because the views already show which highlights
+    /// are visible.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;
@@ -109,13 +111,13 @@ class FieldHighlights {
     std::vector<Source> sources_;  ///< sorted by group
     std::vector<SourcePart> parts_;
     std::vector<Group> groups_;
-    /// A merged highlight and the image pixels that its blur may reach.
+    /// A light source, merged from neighbouring highlights, and the image pixels that its blur may reach.
     struct Reach {
         RasterWindow pixels;
         std::uint32_t source = 0;
     };
-    /// Calls take(reach) for sources whose blur may reach the tile at (x, y), and for others, until it
-    /// returns true. Returns whether it did.
+    /// Calls take(reach) for all sources whose blur may reach the tile at (x, y), and for wide ones elsewhere
+    /// in its row of tiles, until one call returns true. Returns whether one did.
     template <typename Take>
     bool any_near(int x, int y, const Take& take) const {
         const int row = y / SeenTile::edge, column = x / SeenTile::edge;

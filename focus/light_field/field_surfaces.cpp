@@ -14,11 +14,11 @@ namespace postlens {
 namespace {
 
 /// A highlight's blur kernel reaches at most kernel_grows times as far as its circle of confusion, plus
-/// kernel_margin_px. It may exceed the circle, because kernel sizes are rounded.
+/// kernel_margin_px. Both are margins for kernels whose sizes are rounded up.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// A large image is drawn in groups of rows, and each group reads its surfaces again. A surface that some
-/// lens point sees more than far_px above or below its recorded row stays in memory instead, until such
-/// surfaces need most_far_bytes.
+/// A large image is drawn in groups of rows, and the surfaces of each group are read from the file again.
+/// Surfaces that some lens point sees more than far_px above or below their recorded row stay in memory
+/// instead, up to most_far_bytes.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 
@@ -37,8 +37,8 @@ std::size_t bytes_of(const PatchMesh& m) {
     return bytes_of(m.patches) + bytes_of(m.planes) + bytes_of(m.follows);
 }
 
-/// Returns the surfaces i for which wanted(reaches[i]) is true. reaches[i] is the range of image rows in
-/// which some lens point may see surface i.
+/// Returns the surfaces i of `mesh` for which wanted(reaches[i]) is true. reaches[i] is the range of image
+/// rows in which surface i appears from any lens point.
 template <typename Reaches, typename Wanted>
 SheetMesh chosen(const SheetMesh& mesh, const Reaches& reaches, const Wanted& wanted) {
     std::vector<std::uint8_t> which;

@@ -21,8 +21,9 @@
 
 namespace postlens {
 
-/// The recorded surfaces (`sheets`) of each recorded instant, in squares of 16 x 16 px. `primary` and
-/// `deeper` are their planar parts: those seen directly, and those seen by reflection or transmission.
+/// The recorded surfaces. `sheets` has those of each recorded instant, cut into squares of 16 x 16 px.
+/// `primary` has the planar parts of surfaces seen directly, and `deeper` those of surfaces seen by
+/// reflection or transmission.
 struct FieldSurfaces {
     std::vector<std::shared_ptr<const TreeSheets>> sheets;
     std::vector<PatchMesh> primary, deeper;
@@ -34,8 +35,8 @@ struct FieldSurfaces {
 
 using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMesh& deeper)>;
 
-/// Estimates how much memory the recorded surfaces of a file need, in bytes per surface sample (record), from
-/// a few rows of the file.
+/// Estimates how much memory the surfaces of a file need, from a few of its rows. The result is in bytes per
+/// surface sample (record) of the file.
 [[nodiscard]] double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& lens,
                                              const HighlightRule& rule);
 /// Upper bound of the result of surface_bytes_of_record.
@@ -43,17 +44,19 @@ inline constexpr double most_surface_bytes_of_record = 400;
 
 /// Reads the surfaces that appear in one group of image rows at a time, to save memory.
 ///
-/// The first read keeps the few surfaces that some lens point sees far away from their recorded rows. Later
-/// reads therefore need only rows near the group.
+/// The first read keeps the few surfaces in memory that some lens point sees far above or below their
+/// recorded rows. Later reads therefore need only the file's rows near the group.
 class FieldStrips {
   public:
     /// Keeps references to the arguments.
-    /// - `lens_box_px`: largest displacement |x| and |y| by a lens point, in px per 1/m of inverse depth
+    /// - `lens_box_px`: largest shift |x| and |y| of a surface's image from the lens centre to another lens
+    ///   point, in px per 1/m of inverse depth
     /// - `motion`: motion of the highlights; null if nothing moves
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
 
-    /// Returns the surfaces that appear in the raster rows [y_begin, y_end) from any point of the lens.
+    /// Returns the surfaces that any point of the lens sees in the rows [y_begin, y_end) of the raster, the
+    /// pixel grid of the file.
     [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
     /// Visits all surfaces of a recorded instant, in several parts and in any order. Only one thread at a
     /// time calls `visit`.
@@ -72,9 +75,9 @@ class FieldStrips {
             last = std::max(last, to);
         }
     };
-    /// Surfaces that stay in memory, because some lens point sees them many rows above or below their
-    /// recorded row. `primary` has the rows in which each directly visible surface may appear, and `deeper`
-    /// has those of reflected and transmitted surfaces.
+    /// Surfaces that stay in memory between reads, because some lens point sees them many rows above or below
+    /// their recorded row. `primary` has the range of rows in which each directly visible surface may appear,
+    /// and `deeper` that of each reflected or transmitted surface.
     struct Far {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;
