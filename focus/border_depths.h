@@ -17,8 +17,7 @@ class BorderDepths {
   public:
     /// `source` is the window of the recorded pixel corners.
     explicit BorderDepths(const RasterWindow& source);
-    /// Adds the depths of the surfaces in the pixel rows [y_begin, y_end) that lie on the border. `band` must
-    /// contain these rows.
+    /// Adds the border's depths in the pixel rows [y_begin, y_end). `band` must contain these rows.
     void add(const RecordBand& band, int y_begin, int y_end);
     /// Returns the largest blur radius of the surfaces at each pixel corner along the border of the traced
     /// area, in px.

@@ -52,8 +52,8 @@ Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geome
     return out;
 }
 
-/// Blends the coverage of each object in a pixel. `effect`, the strength of the blur, is 0 for the coverage
-/// in the pinhole image, and 1 for that in the blurred image.
+/// Blends the coverage of each object. `effect`, the strength of the blur, is 0 for that in the pinhole
+/// image, and 1 for that in the blurred image.
 void limit_to(const std::vector<float>& effect, const StackField& pinhole, StackField& blurred) {
     for (std::size_t k = 0; k < effect.size(); ++k) {
         for (ObjectShare& o : blurred.shares[k]) o.share *= effect[k];

@@ -39,7 +39,7 @@ struct FrameRows {
 [[nodiscard]] RasterWindow recorded_corners(const SampleFileReader& file);
 
 /// The data of a sample file from which images of all lenses are computed: surface samples (records), eye
-/// rays with the samples that they hit (point samples), and surfaces formed by neighbouring samples.
+/// rays with their records (point samples), and surfaces of neighbouring records.
 ///
 /// Only one thread at a time may use a frame. Exception: if the frame keeps its rows in memory, several
 /// threads may call visit_rows after a first call has visited the rows.

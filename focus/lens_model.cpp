@@ -41,8 +41,8 @@ class LensModel final : public ResponseModel {
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
-        // `further` is the part of the map that causes astigmatism. `stretched`, the radius of this blur in
-        // px, has a factor of 1.5, because the pupil may be wider than the nominal aperture.
+        // `further` is the part of the map that causes astigmatism. `stretched` is its blur radius in px,
+        // times 1.5, because the pupil may be wider than the nominal aperture.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -73,8 +73,8 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // The mean scale of the matrix map_px, which maps the lens to its blur, is gain R (1 / s - 1 / z).
-    // Returns 1 / z, in 1/m. gain: gain_px; R: aperture radius; s: focus distance.
+    // The matrix map_px from the lens to its blur has the mean scale gain R (1 / s - 1 / z). Returns 1 / z,
+    // in 1/m. gain: gain_px; R: aperture radius; s: focus distance.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -34,7 +34,8 @@ template <typename Value>
     return out;
 }
 
-/// Returns the mean over the crop of an array with one value per pixel, or 0 if there are no pixels.
+/// Returns the mean of `of_pixels`, an array with one value per pixel, within the rectangle `crop` (default:
+/// the whole image). Returns 0 if there are no pixels.
 template <typename Value>
 [[nodiscard]] double mean_of(const std::vector<Value>& of_pixels, int width,
                              const std::optional<Crop>& crop) {

@@ -23,7 +23,8 @@ inline constexpr double most_exposure_stops = 100;
 [[nodiscard]] double auto_exposure_of(std::span<double> values);
 
 /// Returns the automatic exposure of an image, in stops, from the largest channel of each pixel. The current
-/// exposure (Image::exposure_stops) has no effect. If it is unknown, the values are treated as radiance.
+/// exposure of the pixels (Image::exposure_stops) is undone first. If it is unknown, the pixels are treated
+/// as radiance.
 [[nodiscard]] double auto_exposure_of(const Image& image);
 
 /// Scales an image to a new exposure. Leaves the image unchanged if its current exposure is unknown.

@@ -32,8 +32,8 @@ class StackLights {
     void add(int x, std::span<const StackSample> stack, bool fills, double open, const Behind* behind,
              StackValue value, std::vector<PixelLight>& out);
 
-    /// Returns the number of the surface to which samples with this signed CoC radius belong. The number is
-    /// the radius rounded to about 1 px, or to about 1/16 of large radii.
+    /// Returns the number of the surface to which samples with this signed CoC radius belong. Radii within
+    /// about 1 px (for large radii, 1/16) have the same number.
     [[nodiscard]] static std::uint32_t surface_of(double signed_radius_px);
     static constexpr std::uint32_t nothing = ~std::uint32_t{0};
 

@@ -13,7 +13,7 @@ using Kind = LayerPart::Kind;
 constexpr double enough_weight = 0.05;
 
 /// Light that arrives at a pixel after one sequence of reflections and transmissions, such as a single
-/// reflection. `terms` has the sums of everything seen after this sequence.
+/// reflection. `terms` has the sums of what is seen there.
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};

@@ -207,7 +207,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
 }
 
 // Adds surfaces in mirrors or behind glass that the pinhole does not see, but other lens points see. `nodes`
-// has these surfaces and the mirrors or glass.
+// also has the mirrors and glass.
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

@@ -68,8 +68,8 @@ struct LayerSplat {
     float covered = 0;
 };
 
-/// Samples of one surface in one pixel row of a 64 x 64 px square. They are the elements [begin, end) of the
-/// list of all samples in this pixel row.
+/// Samples of one surface in one pixel row of a 64 x 64 px square: the elements [begin, end) of the list of
+/// all samples in the row.
 struct LayerRun {
     std::uint32_t row = 0;
     std::uint32_t begin = 0, end = 0;
@@ -122,8 +122,8 @@ class LayerSplats {
         known_ = known;
         border_ = BorderRadii(known);
     }
-    /// Adds the pixels in row y of another program's image to the samples to be blurred. Several threads may
-    /// add different rows at the same time.
+    /// Adds row y of another program's image to the samples to be blurred. Several threads may add different
+    /// rows at the same time.
     void add_pixels(int y, std::span<const PixelLight> lights);
     /// Builds the blur kernels and sorts the samples by surface. Call it after the last row.
     void finish();

@@ -92,8 +92,8 @@ struct Arrived {
         for (std::size_t c = 0; c < 3; ++c) rgb[c] += shown * light.rgb[c];
         const double whole = times * light.alpha;
         alpha += whole * open.passing(light.alpha, light.lens.alpha);
-        // `lens` is the tilt of a product of two functions over the lens: the light's alpha and the
-        // transmittance `open`. OverLens has the formula.
+        // `lens` is the tilt of a product of functions over the lens (see OverLens): the light's alpha times
+        // the transmittance `open`.
         lens.x += times * open.mean * light.lens.alpha.x + std::min(whole, 1.0) * open.tilt.x;
         lens.y += times * open.mean * light.lens.alpha.y + std::min(whole, 1.0) * open.tilt.y;
     }

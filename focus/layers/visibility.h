@@ -8,14 +8,14 @@
 
 namespace postlens {
 
-/// Sum over the light at a pixel: each part of the light, times the lens point through which it passes, in
-/// lens radii. It shows on which side of the lens the light is concentrated.
+/// Sum of each part of some light, times the lens point through which it passes, in lens radii. It shows on
+/// which side of the lens the light is concentrated.
 struct LensMoment {
     double x = 0, y = 0;
 };
 
-/// Two lens moments of a surface's light at a pixel. They tell through which side of the lens it arrives. One
-/// moment serves red, green and blue, because the hue of a surface varies little over the lens.
+/// Two lens moments of a surface's light. They tell through which side of the lens it arrives. One moment
+/// serves red, green and blue, because the hue of a surface varies little over the lens.
 struct LensMoments {
     LensMoment rgb;  ///< of red + green + blue
     LensMoment alpha;

@@ -50,8 +50,8 @@ class Motions {
         return found == classes_.end() ? 0 : found->second;
     }
     [[nodiscard]] bool moves(std::uint32_t id) const { return camera_ || class_of(id) != 0; }
-    /// Returns how surface points move on the raster between two instants. The first map is for all objects
-    /// without own motion, which shift only if the camera moves. Then follows one map per moving object.
+    /// Returns how surface points move on the raster between two instants. The first map is for objects
+    /// without own motion, which only the camera shifts. Then follows one map per moving object.
     [[nodiscard]] std::vector<RasterMap> maps(double from_s, double to_s) const {
         constexpr std::uint32_t no_id = 0xFFFFFFFFU;  // an object without its own motion
         std::vector<RasterMap> out{shutter_.motion->map(no_id, from_s, to_s)};

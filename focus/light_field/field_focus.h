@@ -68,8 +68,8 @@ struct FieldViews {
     /// function is set, the whole image is drawn.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
-    // Three functions for tracing rays, explained at the members of PatchViews with the same names. Unused if
-    // no rays are traced.
+    // These functions select what rays replace, and where rays measure the error of recorded light and of
+    // highlights (see PatchViews). Unused if no rays are traced.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     std::function<double(int x, int y)> aimed;

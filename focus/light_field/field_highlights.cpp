@@ -233,8 +233,8 @@ void FieldHighlights::group_sources() {
         g.spread_px += s.light / g.light * off * off;
     }
     for (Group& g : groups_) g.spread_px = glm::sqrt(g.spread_px);
-    // Highlights with the same parts differ in their instant `u`, so std::sort gives a unique order.
-    // std::stable_sort would copy all highlights.
+    // Highlights with the same parts differ in `u` (their instant), so std::sort gives a unique order.
+    // std::stable_sort would copy all.
     std::sort(sources_.begin(), sources_.end(), [](const Source& a, const Source& b) {
         return std::tuple(a.group, a.first_part, a.u, a.y, a.x) <
                std::tuple(b.group, b.first_part, b.u, b.y, b.x);

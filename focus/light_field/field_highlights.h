@@ -47,7 +47,7 @@ class FieldHighlights {
                                                const std::vector<double>& instants = {}) const;
 
     /// Chooses random rays from the pixel (x, y) to the highlights `sources`. A ray to a sharp moving
-    /// highlight may miss the highlight.
+    /// highlight may miss it, because pixels next to its path count too.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the light sources (merged highlights) whose blur may reach a rectangle of the
@@ -117,7 +117,7 @@ class FieldHighlights {
         std::uint32_t source = 0;
     };
     /// Calls take(reach) for all sources whose blur may reach the tile at (x, y), and for wide ones elsewhere
-    /// in its row of tiles, until one call returns true. Returns whether one did.
+    /// in its row, until one call returns true. Returns whether one did.
     template <typename Take>
     bool any_near(int x, int y, const Take& take) const {
         const int row = y / SeenTile::edge, column = x / SeenTile::edge;

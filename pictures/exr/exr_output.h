@@ -35,8 +35,8 @@ class ExrOutput {
     void write_flat_chunk(int part, int y, ByteView data);
     /// Writes the next chunk of a part with deep pixels. `y` is the chunk's first scanline.
     void write_deep_chunk(int part, int y, ByteView counts, ByteView data, std::uint64_t unpacked_data_bytes);
-    /// Writes the table of chunk positions behind the headers, where space is reserved, and closes the file.
-    /// Returns the file's size in bytes.
+    /// Writes the table of chunk positions into the space that was reserved for it behind the headers. Closes
+    /// the file and returns its size in bytes.
     std::uint64_t finish();
     /// Returns the XXH3 hash of the finished file, or empty if it was not written from front to back.
     [[nodiscard]] std::optional<std::uint64_t> checksum() const;

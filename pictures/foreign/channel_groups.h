@@ -13,7 +13,8 @@
 
 namespace postlens {
 
-/// Lower-case words that name a pass (such as depth), and so do not belong to the name of a layer.
+/// Lower-case words of channel names that name a pass, such as depth. The other words of a channel name are
+/// the name of a layer.
 using PassWords = std::span<const std::string_view>;
 
 inline constexpr std::string_view colour_words[]{"rgba",  "rgb",    "combined", "beauty",
@@ -36,7 +37,8 @@ inline constexpr std::string_view vector_words[]{"vector",        "vectors",    
                                                  "*motionvector", "*motionvectors", "*velocity"};
 
 /// The view (such as the left eye) and the layer of a channel. Programs write the words of a channel name in
-/// different orders (LAYER.depth.Z or depth.LAYER.Z), so `layer` contains the sorted words.
+/// different orders (LAYER.depth.Z or depth.LAYER.Z). The words in `layer` are sorted, so that the order does
+/// not matter.
 struct ChannelGroup {
     std::size_t part = 0;
     std::string view;                ///< from the part, its name, or the first of `multiView`; may be empty
@@ -68,10 +70,11 @@ struct GroupMatch {
 /// Returns true if a name belongs to a component of a normal, a position or a motion.
 [[nodiscard]] bool names_vectors(const std::vector<std::string>& words);
 
-/// Returns true if `word` is one of `words`, the words that name a pass such as depth.
+/// Returns true if `word`, a word of a channel name, is one of `words`, which all name a pass such as depth.
 [[nodiscard]] bool has_word(PassWords words, std::string_view word);
 
-/// Returns the channel as a candidate for the depth, or empty if its name is not that of a depth.
+/// Returns the channel `name` as a candidate from which match_group() selects the depth of a layer. Returns
+/// empty if its name is not that of a depth.
 [[nodiscard]] std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size_t part,
                                                             const std::string& name);
 

@@ -19,7 +19,8 @@ namespace postlens {
 namespace {
 
 /// Largest number of channel groups (NAME00, NAME01, ...) that are read from a Cryptomatte. Each group
-/// describes two surfaces per pixel. Surfaces beyond these 32 cover too little of a pixel to matter.
+/// describes two surfaces per pixel, so 32 in total. All other surfaces cover too little of a pixel to
+/// matter.
 constexpr int most_layers = 16;
 constexpr std::size_t most_sets = 64;
 /// Names in messages are cut to this length.
@@ -36,8 +37,8 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// Returns true if the file part `part` may contain Cryptomattes of the image in the part `own`. If the user
-/// gave a separate file for ids, only parts of the separate file may contain them.
+/// Returns true if the part `part` of a file may contain Cryptomattes of the image in the part `own`. If the
+/// user gave a separate file for ids, only the parts of this separate file may contain them.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;
@@ -45,7 +46,8 @@ bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     return p.use == PartUse::picture && p.view == file.parts()[own].view;
 }
 
-/// Finds a part that has the channel. The part with the colours is searched first.
+/// Finds a file part that has a channel of a Cryptomatte. The part `own`, which has the colours, is searched
+/// first.
 std::optional<std::size_t> part_with(const ForeignFile& file, std::size_t own, const std::string& channel) {
     const auto parts = file.parts();
     if (may_hold(file, own, own) && parts[own].has(channel)) return own;
@@ -141,8 +143,9 @@ std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     return std::string::npos;
 }
 
-/// Reads a manifest whose names contain quotation marks and backslashes that are not escaped. A name ends
-/// where an id follows (end_of_name). Returns empty if the text is not such a manifest.
+/// Reads a Cryptomatte manifest (object names and ids) whose names contain quotation marks and backslashes
+/// that are not escaped. So end_of_name() finds the end of a name by the id that follows. Returns empty if
+/// the text has another form.
 std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
     if (!manifest.starts_with("{\"")) return std::nullopt;
     auto objects = nlohmann::json::object();
@@ -156,7 +159,7 @@ std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
     }
 }
 
-/// Returns true if the id of every name in the manifest is the hash of the name.
+/// Returns true if the id of every object name in a Cryptomatte manifest is the hash of the name.
 bool has_its_ids(const nlohmann::json& manifest) {
     if (!manifest.is_object()) return false;
     const auto items = manifest.items();
@@ -305,8 +308,8 @@ std::uint32_t cryptomatte_id(std::string_view name) {
     hash = (hash ^ hash >> 16U) * 0x85ebca6bU;
     hash = (hash ^ hash >> 13U) * 0xc2b2ae35U;
     hash ^= hash >> 16U;
-    // Exponents 0 and 255 stand for denormal, infinite and NaN floats, whose bits compositors may change. So
-    // the lowest bit of the exponent is flipped.
+    // Cryptomattes store the hash as a float. Exponents 0 and 255 stand for denormal, infinite and NaN
+    // floats, whose bits compositors may change. So the lowest bit of the exponent is flipped.
     const std::uint32_t exponent = hash >> 23U & 255U;
     if (exponent == 0 || exponent == 255) hash ^= 1U << 23U;
     return hash;

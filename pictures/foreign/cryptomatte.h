@@ -41,8 +41,8 @@ struct Cryptomattes {
 /// Within each kind it is sorted by name.
 [[nodiscard]] Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part);
 
-/// Returns the view and layer to which a Cryptomatte belongs. They follow from its name, and from the file
-/// part that contains its first channels.
+/// Returns the view and layer to which a Cryptomatte belongs. They follow from the Cryptomatte's name, and
+/// from the file part that contains its first channels.
 [[nodiscard]] ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set);
 
 /// An object that a manifest lists.

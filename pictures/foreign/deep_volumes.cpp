@@ -44,7 +44,7 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     // rounding errors.
     std::sort(volumes.begin(), volumes.end(), [](const DeepSample& a, const DeepSample& b) {
         const auto key = [](const DeepSample& s) {
-            // The order of NaN is not defined, so the bits of the colours are compared.
+            // Colours may be NaN, whose order is not defined, so they are sorted by their bits.
             const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v); };
             return std::tuple(s.z, s.z_back, s.alpha, bits(s.r), bits(s.g), bits(s.b), s.id);
         };
@@ -61,8 +61,8 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
         return std::tie(a.z, a.kind, a.volume) < std::tie(b.z, b.kind, b.volume);
     });
-    // If no surface and no volume begins inside another volume, no volume needs to be divided in depth.
-    // `around` is the number of volumes that contain the current depth.
+    // Volumes need to be divided in depth (`mixed`) only if a surface or a volume begins inside another
+    // volume. `around` is the number of volumes that contain the current depth.
     bool mixed = false;
     int around = 0;
     for (const Event& e : events) {

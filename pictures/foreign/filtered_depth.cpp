@@ -82,8 +82,8 @@ class Mender {
         }
     }
 
-    /// Depth edges found along rows or columns: jumps between two adjacent pixels, and ramps over several
-    /// pixels, whose depths mix those of two surfaces.
+    /// Depth edges found along rows or columns. A jump lies between two adjacent pixels. A ramp extends over
+    /// several pixels, each with a mixture of two surfaces' depths.
     struct Edges {
         std::size_t jumps = 0, ramps = 0;
         std::vector<MixedDepth> mixed;
@@ -108,16 +108,16 @@ class Mender {
         look(width_, [this](std::size_t x, Edges& out) { look_along(x, width_, height_, out); });
     }
 
-    /// True if the depths a and b of neighbouring pixels are nearly equal, as on one side of a depth edge.
-    /// They may differ by a small fraction of `step`, the difference in depth across the edge. The test a ==
-    /// b covers two infinite depths.
+    /// True if the depths a and b of neighbouring pixels are nearly equal, because both pixels lie on the
+    /// same side of a depth edge. The depths may differ by a small fraction of `step`, the difference across
+    /// the edge. The test a == b covers two infinite depths.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
 
-    /// True if no depth edge can lie between two neighbouring pixels with these depths. At an edge, the depth
-    /// changes by at least the factor 1 + least_step within longest_ramp + 1 pixels. Smaller changes cannot
-    /// add up to it: (1 + 1 / 60)^(longest_ramp + 1) < 1 + least_step.
+    /// True if two neighbouring pixels' depths differ by at most 1/60, so that no depth edge lies between
+    /// them. An edge changes the depth by at least the factor 1 + least_step within longest_ramp + 1 pixels.
+    /// Steps of 1/60 cannot reach this factor: (1 + 1 / 60)^(longest_ramp + 1) < 1 + least_step.
     [[nodiscard]] static bool is_even(float a, float b) {
         constexpr double most = 1.0 / 60;
         const auto x = static_cast<double>(a), y = static_cast<double>(b);
@@ -128,8 +128,8 @@ class Mender {
         const auto at = [&](std::size_t i) { return depth_[first + i * stride]; };
         std::size_t even_end = 1;  // depths change little from `begin` to here
         for (std::size_t begin = 1; begin + 2 < count; ++begin) {
-            // No depth edge begins at the pixel `begin` if all neighbouring depths up to the pixel `last` are
-            // nearly equal.
+            // A depth edge that begins at the pixel `begin` ends at `last` at the latest. If all neighbouring
+            // depths between them are nearly equal, there is none.
             const std::size_t last = std::min(begin + longest_ramp + 1, count - 1);
             even_end = std::max(even_end, begin);
             while (even_end < last && is_even(at(even_end), at(even_end + 1))) ++even_end;
@@ -145,9 +145,9 @@ class Mender {
                 if (!is_plateau(step, b, at(end + 1))) continue;
                 if (length > 0 && !leads_evenly(at, begin, end, plateau * step)) continue;
                 ++(length > 0 ? out.ramps : out.jumps);
-                // Between the pixels `begin` and `end`, a filter mixed the depths of two surfaces. `begin`
-                // and `end` themselves may be slightly mixed, too. So the depth of each surface is
-                // extrapolated from the pixels beyond them.
+                // The filter of the other program mixed the depths of two surfaces between the pixels `begin`
+                // and `end`, and perhaps slightly at these two. So the depth of each surface is extrapolated
+                // from the pixels beyond them.
                 const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
                             after = goes_on(at(end + 1), end + 2 < count ? at(end + 2) : at(end + 1), step);
                 const auto is_empty = [&](std::size_t i) {
@@ -194,8 +194,9 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // A pixel's mixed depth may be found along its row and along its column. Keeps the result whose two
-        // surfaces differ more in depth, because a row along an edge may contain only mixed depths.
+        // A pixel's depth may be found to be mixed from two surfaces both along its row and along its column.
+        // Keeps the result whose surfaces differ more in depth. Along the edge itself, all depths may be
+        // mixed, and so too similar.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }

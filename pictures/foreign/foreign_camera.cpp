@@ -74,7 +74,8 @@ std::optional<double> half_width_tangent(const Matrix44& world_to_camera, const 
     const auto projection = projection_of(world_to_camera, world_to_ndc);
     if (!projection || is_parallel(*projection)) return std::nullopt;
     const double x = std::abs((*projection)[0][0]), w = std::abs((*projection)[2][3]);
-    // If normalised device coordinates run from 0 to 1, not from -1 to 1, the image centre is at 0.5.
+    // The image centre is near 0.5 if normalised device coordinates run from 0 to 1, and near 0 if they run
+    // from -1 to 1.
     const double middle = std::abs((*projection)[2][0]) / w;
     const double half = middle > 0.25 && middle < 0.75 ? 0.5 : 1;
     const double tangent = half * w / x;

@@ -14,7 +14,8 @@ enum class DepthAlong {
     ray,   ///< Z is the distance from the camera's centre
 };
 
-/// Settings from the user. An absent value is read from the file's attributes or assumed.
+/// Settings from the user for the camera of another program's image. An absent value is read from the image
+/// file's attributes or assumed.
 struct ForeignCameraChoice {
     std::optional<double> film_width_mm, film_distance_mm, focal_length_mm, metres_per_unit;
     std::optional<DepthAlong> depth_along;
@@ -40,8 +41,9 @@ struct ForeignCamera {
     std::vector<std::string> assumed;
 };
 
-/// Determines the camera. docs/inputs.md lists the sources of each value. Ignores attributes of the file
-/// whose value is not positive and finite. Throws Error(wrong_arguments) for such a value in `choice`.
+/// Determines the camera from the file and the user's settings `choice`. docs/inputs.md lists the sources of
+/// each value. Ignores attributes of the file whose value is not positive and finite. Throws
+/// Error(wrong_arguments) for such a value in `choice`.
 [[nodiscard]] ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part,
                                            const ForeignCameraChoice& choice);
 

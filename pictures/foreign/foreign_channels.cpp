@@ -21,8 +21,8 @@ std::string behind(const ForeignPart& part, const std::string& layer, const Chan
     return first_channel(part, names);
 }
 
-/// Lists the channels whose names fit a pass, such as depth or ids. `add(part, name, out)` appends a channel
-/// (index of its part, name) to `out` if it fits.
+/// Lists the channels whose names fit a pass, such as depth or ids, as candidates for it. `add(part, name,
+/// out)` appends the channel `name` of the file part number `part` to `out` if it fits.
 template <typename Add>
 std::vector<GroupCandidate> candidates_of(const ForeignFile& file, const ForeignChannels& colours,
                                           PartUse use, const Add& add) {
@@ -58,7 +58,7 @@ class Finder {
     void find_alpha() {
         out_.alpha_part = out_.part;
         out_.a = behind(part_, out_.layer, alpha_names);
-        // The channel "a" is taken as alpha only if the red channel is "r", not "R".
+        // The channel "a" is taken as alpha only if the red channel is "r". Beside "R", alpha would be "A".
         if (out_.a == out_.layer + "a" && out_.r != out_.layer + "r") out_.a.clear();
         if (!out_.a.empty() || part_.deep) return;
         const auto found =
@@ -71,8 +71,8 @@ class Finder {
                     to.push_back({group, name, 0});
             });
         const auto match = match_group(found, own_, pictures_);
-        // Only an alpha channel in the same layer as the colours is used. The alpha of another layer could
-        // make opaque pixels transparent.
+        // The alpha channel must be in the same layer as the colours, because the alpha of another layer
+        // could make opaque pixels transparent.
         if (!match || match->surmised || found[match->candidate].group.layer != own_.layer) return;
         out_.alpha_part = found[match->candidate].group.part;
         out_.a = found[match->candidate].name;
@@ -114,7 +114,8 @@ class Finder {
         ChannelNames sets;
         std::string left;  // existing channels that belong to another layer
         if (!part_.deep) take_matte(sets, left);
-        // If the user named the channel with object ids, unusable Cryptomattes in the file cause no warning.
+        // If the user named the channel with object ids, other Cryptomattes of the file do not matter.
+        // Unusable ones then cause no warning.
         const ChannelNames unusable = choice_.ids.empty() ? ChannelNames() : std::exchange(out_.problems, {});
         if (out_.matte) return;
         if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));
@@ -218,8 +219,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // A Cryptomatte may belong to the colours of another file part. It gets the part of the colours
-            // here, so that match_group compares only the layers.
+            // A Cryptomatte may be in another file part than the colours to which it belongs. match_group
+            // should compare only layers, so the candidate gets the part of the colours.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

@@ -77,8 +77,8 @@ struct ForeignChoice {
 /// Returns the view and layer of all colours in the file.
 [[nodiscard]] std::vector<ChannelGroup> colour_groups(const ForeignFile& file);
 
-/// Returns the prefixes of the layers that have colours in a part, for example "ViewLayer.Combined.". The
-/// prefix is empty for channels R, G, B without a layer.
+/// Returns the prefixes of the layers that have colour channels in a part of an OpenEXR file, for example
+/// "ViewLayer.Combined.". The prefix is empty for channels R, G, B without a layer.
 [[nodiscard]] std::vector<std::string> colour_layers(const ForeignPart& part);
 
 /// Formats names for an error message, as one line of limited length.

@@ -58,7 +58,8 @@ int rank(const ForeignFile& file, std::size_t part, const std::string& layer) {
     return has_any_word(words, {"rgba", "beauty", "color", "ci"}) ? 2 : 3;
 }
 
-/// Returns how well a layer matches the requested name `asked`: 0 is best, 2 means no match.
+/// Returns how well a layer matches the requested name `asked`: 0 is best, 1 if it only contains all
+/// requested words, 2 means no match.
 int misfit(const ForeignFile& file, std::size_t part_number, const std::string& layer,
            const std::string& asked) {
     const ForeignPart& part = file.parts()[part_number];
@@ -75,8 +76,8 @@ int misfit(const ForeignFile& file, std::size_t part_number, const std::string& 
     return all && !wanted.empty() ? 1 : 2;
 }
 
-/// Colours and depth belong together if these agree: the part (only for deep images), the stereo view, and
-/// the words of the layer's name.
+/// Colours and depth belong together if these agree: the stereo view, the words of the layer's name and, for
+/// deep images, the file part, because each part has its own samples.
 using Owner = std::tuple<std::optional<std::size_t>, std::string, std::vector<std::string>>;
 
 Owner owner_of(const ForeignFile& file, const ChannelGroup& group) {
@@ -96,8 +97,8 @@ std::set<Owner> owners_of_depths(const ForeignFile& file) {
     return out;
 }
 
-/// Returns the part and the layer that match the requested name `asked` best, or empty. `layers_of` lists the
-/// layers of a part.
+/// Returns the file part, and the layer in this part, that match the requested name `asked` best. Returns
+/// empty if no layer matches. `layers_of` lists the layers of a part.
 template <typename LayersOf>
 std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile& file,
                                                               const std::string& asked,
@@ -111,12 +112,12 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : layers_of(file.parts()[i])) {
             const ChannelGroup group = channel_group(file, i, layer, colour_words);
-            // If channel names contain the view (left or right eye), the view that comes first in the
-            // attribute `multiView` is preferred.
+            // If the part has no view (left or right eye), channel names may contain it. The view that comes
+            // first in the attribute `multiView` is then preferred.
             const auto view = std::find(views.begin(), views.end(), group.view);
             const bool by_name = file.parts()[i].view.empty() && view != views.end();
-            // A requested name may match several layers: "ViewLayer" also matches ViewLayer.001. The layer
-            // name with the fewest words is preferred.
+            // A requested name may match several layers: "ViewLayer" also matches ViewLayer.001, which has
+            // two words. The layer name with the fewest words is preferred.
             const std::size_t words = asked.empty() ? 0 : group.layer.size();
             const int kind = rank(file, i, layer);
             const std::tuple order{misfit(file, i, layer, asked),

@@ -33,7 +33,7 @@ constexpr std::uint64_t most_pixels = 1U << 29U;
 constexpr std::size_t most_parts = 256;
 constexpr std::size_t most_channels = 1024;
 constexpr std::uint64_t most_chunk_bytes = 256U << 20U;
-/// A display window of up to 16384 x 16384 px is accepted even if the file is small.
+/// A display window of more pixels than this (16384 x 16384) is rejected if the file is too small for it.
 constexpr std::uint64_t unquestioned_shown = std::uint64_t{1} << 28U;
 Window checked_window(const ExrPart& part, const char* attribute, const std::string& name) {
     const auto w = part.get_window(attribute);
@@ -109,7 +109,7 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
 /// The number is small, because the OpenEXR library allocates several chunks per thread and part.
 int threads_of_file(std::uint64_t greatest_chunk) {
     // Files are read in bands of rows. With ZIP compression, a band has only four chunks to decompress, so
-    // more threads would hardly help.
+    // more than two threads would hardly help.
     constexpr int most = 2;
     constexpr std::uint64_t most_bytes = 8U << 20U;
     return greatest_chunk > most_bytes || thread_count() < most ? 0 : std::min(exr_library_threads(), most);
@@ -300,8 +300,8 @@ std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
         Imf::RgbaYca::computeYw(Imf::hasChromaticities(h) ? Imf::chromaticities(h) : Imf::Chromaticities());
     const std::array<double, 3> out{static_cast<double>(w.x), static_cast<double>(w.y),
                                     static_cast<double>(w.z)};
-    // Files with luminance and chroma do not store green. Green is computed from them by dividing by its
-    // luminance weight, out[1], so this weight must not be 0.
+    // Files with luminance and chroma do not store green. It is computed by a division by the luminance
+    // weight of green, out[1], so this weight must not be 0.
     if (!std::isfinite(out[0] + out[1] + out[2]) || std::abs(out[1]) < 1e-6) {
         fail(ExitCode::invalid_input, "{}: chromaticities are unusable (got luminance weights {}, {}, {})",
              name_of(part), out[0], out[1], out[2]);

@@ -18,8 +18,8 @@
 
 namespace postlens {
 
-/// What a part of an OpenEXR file contains: the picture (`picture`), or a pass in a separate file (depth, ids
-/// or motion vectors).
+/// What a part of an OpenEXR file is used for: the picture (`picture`), or one pass that the user gave in a
+/// separate file (depth, ids or motion vectors).
 enum class PartUse { picture, depth, ids, vectors };
 
 /// Description of one part of the file, from its header.
@@ -72,8 +72,8 @@ class ForeignFile {
     ForeignFile(ForeignFile&&) noexcept;
     ForeignFile& operator=(ForeignFile&&) = delete;
 
-    /// Adds a separate file for a pass such as depth or object ids. Throws Error(invalid_input) if its
-    /// display window differs in size.
+    /// Adds a separate file for a pass of this image, such as depth or object ids. Throws
+    /// Error(invalid_input) if its display window has another size than that of the image.
     void attach(const std::filesystem::path& path, PartUse use);
 
     [[nodiscard]] const std::string& name() const { return name_; }
@@ -95,8 +95,8 @@ class ForeignFile {
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> texts(std::size_t part,
                                                                          std::string_view prefix) const;
 
-    /// Reads a flat image from top to bottom. Calls take(y, values) for each row, with one pointer per
-    /// channel. Integers are passed as their bits.
+    /// Reads a flat image from top to bottom. Calls take(y, values) for each row, where values[c] points to
+    /// the values of channel c. Integers are passed as floats with the same bits.
     void read_flat(std::size_t part, std::span<const std::string> channels,
                    const std::function<void(int y, std::span<const float* const> values)>& take) const;
     /// Reads a deep image from top to bottom, and passes it to `take` in bands of rows.

@@ -21,10 +21,10 @@ namespace postlens {
 
 namespace foreign {
 
-/// Data of up to 64 MB are accepted even if the file is small.
+/// Data of more than 64 MB are accepted only if the file is large enough for them (see `densest`).
 inline constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
-/// Largest plausible compression ratio. Deflate reaches at most 1032, so a file that needs more than 4096 is
-/// damaged.
+/// Largest plausible compression ratio, with a margin: Deflate reaches at most 1032. A file that needs more
+/// than 4096 is damaged.
 inline constexpr std::uint64_t densest = 4096;
 
 /// Returns the number of rows that are compressed together.

@@ -32,7 +32,8 @@ std::optional<ChunkCompression> own_compression(const ForeignPart& part, const I
     return static_cast<ChunkCompression>(h.compression());
 }
 
-/// Reads the chunks of a part, which hold whole rows. In a row, the values of one channel are adjacent.
+/// Reads the compressed chunks of a part of an OpenEXR file. Each chunk holds whole rows of pixels. In a row,
+/// the values of one channel are adjacent.
 class ChunkReader {
   public:
     ChunkReader(const Imf::InputPart& in, ChunkCompression compression, const ForeignPart& part,
@@ -102,7 +103,8 @@ class ChunkReader {
         std::vector<float> values;  ///< row by row, and in each row channel by channel
     };
 
-    /// Decompresses rows [y, y_end), and writes their values to `to`. Returns the end of the written values.
+    /// Decompresses the chunk with the image rows [y, y_end) in buffers of `band`, and writes its values to
+    /// `to`. Returns their end.
     float* expand(int y, int y_end, Band& band, float* to) const {
         // The OpenEXR library refuses chunks that are larger than uncompressed ones.
         band.packed.resize(static_cast<std::size_t>(rows_per_chunk(compression_)) * row_bytes_);

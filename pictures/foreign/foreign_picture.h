@@ -34,9 +34,10 @@ struct StackSample {
 /// because the alphas in a file are rounded.
 inline constexpr double opaque_transmittance = 1e-3;
 
-/// Returns the transmittance of the samples behind the last opaque sample, or of all samples if none is
-/// opaque.
-/// - is_nothing_behind: the scene behind is empty; if the last sample is opaque, the result is then 1
+/// Returns the transmittance of those samples that lie behind the last opaque sample, or of all samples if
+/// none is opaque.
+/// - is_nothing_behind: the scene behind all samples is empty; if the last sample is opaque, the result is
+///   then 1
 [[nodiscard]] double transmittance_behind(std::span<const StackSample> stack, bool is_nothing_behind);
 
 /// Converts a value of an id channel to an id: the bits of `value`, as an integer if `whole` is true, or else
@@ -75,8 +76,8 @@ struct ForeignPicture {
     /// each surface covers, the largest first.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
-    /// 1 for each stored pixel that shows empty space behind its samples, else 0. The vector is empty if no
-    /// pixel does.
+    /// For each pixel that the file stores: 1 if empty space lies behind the pixel's samples, else 0. The
+    /// vector is empty if all values would be 0.
     std::vector<std::uint8_t> ends_in_nothing;
     std::vector<std::string> masks;  ///< mask files that cut samples out (StackSample::mask)
     ForeignCamera camera;
@@ -98,7 +99,7 @@ struct ForeignPicture {
     [[nodiscard]] std::span<const StackSample> stack_of(std::size_t pixel) const {
         return std::span(samples).subspan(offsets[pixel], offsets[pixel + 1] - offsets[pixel]);
     }
-    /// True if the pixel shows empty space behind its samples, where a background image may be visible.
+    /// True if empty space lies behind the pixel's samples. A background image may be visible there.
     [[nodiscard]] bool is_nothing_behind(std::size_t pixel) const {
         return !ends_in_nothing.empty() && ends_in_nothing[pixel] != 0;
     }

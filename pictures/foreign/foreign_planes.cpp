@@ -7,9 +7,9 @@
 namespace postlens {
 namespace {
 
-/// Extends the values in `plane` beyond the display window: pixels outside get the nearest stored value. The
-/// values come from the file part `from`, on the pixel grid of another part, `onto`. A side is extended only
-/// if `from` stores pixels up to the window's border there.
+/// `plane` has values of the file part `from`, stored on the pixel grid of another part, `onto`. Pixels
+/// outside the display window get the nearest stored value. A side is extended only if `from` stores pixels
+/// up to the window's border there.
 void continue_beyond_border(const ForeignPart& from, const ForeignPart& onto, std::vector<float>& plane) {
     const int right = onto.display.x_min - from.display.x_min, down = onto.display.y_min - from.display.y_min;
     const int left_x = from.data.x_min + right, last_x = from.data.x_max + right,

@@ -1,5 +1,5 @@
-// Reads channels, such as depth, from other file parts or other files than those of the colours. Shifts them
-// to the pixel grid of the part with the colours.
+// Reads passes, such as depth, that are in another file part or another file than the colours. Shifts their
+// values to the pixel grid of the part with the colours.
 #pragma once
 
 #include <cstddef>
@@ -13,22 +13,22 @@
 
 namespace postlens {
 
-/// Receives one row of pixels from each_row_onto:
-/// - `pixel`: index, in the part `onto`, of the row's first pixel
+/// Receives one row of pixels from each_row_onto(), on the pixel grid of a file part `onto`:
+/// - `pixel`: index of the row's first pixel in `onto`
 /// - `count`: number of pixels
 /// - `from`, `values`: the values of channel c begin at values[c][from]
 using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::size_t from,
                                    std::span<const float* const> values)>;
-/// Reads channels of a flat part, and calls `take` for each row of pixels that `part` and `onto` both store.
-/// The upper left corners of their display windows coincide.
+/// Reads channels of the flat file part `part` on the pixel grid of another part, `onto`: the upper left
+/// corners of their display windows coincide. Calls `take` for each row of pixels that both parts store.
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
-/// Returns the values of a channel of `part` at all pixels that another part, `onto`, stores, row by row.
-/// With `converts`, integers are converted to floats. Throws Error(out_of_memory).
+/// Returns the values of a channel of the file part `part` at all pixels that another file part, `onto`,
+/// stores, row by row. With `converts`, integers are converted to floats. Throws Error(out_of_memory).
 ///
-/// Pixels that `part` does not store get the value `otherwise`, or, outside the display window, the nearest
-/// value that `part` stores.
+/// Pixels that `part` does not store get the value `otherwise`, or, outside the display window of `onto`, the
+/// nearest value that `part` stores.
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);
@@ -45,8 +45,8 @@ class JoinedChannels {
     /// Reads the pixels in the data window of `part`.
     JoinedChannels(const ForeignFile& file, std::size_t part) : file_(file), part_(part) {}
 
-    /// Adds a channel to be read, and returns its index in each row. Pixels that the file does not store get
-    /// the value `otherwise`.
+    /// Adds a channel to be read. Returns its index in the rows' `values` (see `read`), or empty if `name` is
+    /// empty. Pixels that the file does not store get the value `otherwise`.
     std::optional<std::size_t> add(std::size_t part, const std::string& name, float otherwise,
                                    ChannelUse use = ChannelUse::number);
     [[nodiscard]] const std::string& name(std::size_t number) const { return channels_[number].name; }

@@ -17,19 +17,19 @@ namespace postlens {
 /// throw Error(invalid_input) and Error(out_of_memory).
 class MatteShares {
   public:
-    /// Prepares reading the Cryptomatte for the pixels of `onto`, the part of the file that contains the
-    /// colours.
+    /// Prepares reading a Cryptomatte, whose channels may be in several file parts, at the pixels of `onto`,
+    /// the part with the colours.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte);
 
-    /// Returns the Cryptomatte channels in `part` that are read together with the colours; none if the first
-    /// Cryptomatte channels are in another part.
+    /// Returns the Cryptomatte channels in `part` that the caller reads together with the colours, and passes
+    /// to take(). Returns none if the first Cryptomatte channels are in another part.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
-    /// Receives the Cryptomatte values of `count` adjacent pixels, from the index `pixel` on. values[c]
-    /// points to the values of channel c.
+    /// Takes the values of the channels from begin_beside() at `count` adjacent pixels, from the pixel index
+    /// `pixel` on. values[c] points to the values of channel c.
     void take(std::size_t pixel, std::size_t count, std::span<const float* const> values,
               ForeignPicture& picture);
-    /// Reads the remaining Cryptomatte channels. Then gives each sample the id of the object that covers most
-    /// of its pixel.
+    /// Reads the Cryptomatte channels that take() has not received. Then gives each sample the id of the
+    /// object that covers most of its pixel.
     void finish(ForeignPicture& picture);
 
   private:

@@ -25,15 +25,16 @@
 namespace postlens {
 namespace {
 
-/// Volumes are divided into slices, in which the circle of confusion varies little. `slice_ratio` is the
-/// intended ratio of a slice's far depth to its near depth.
+/// A volume (a deep sample between two depths) is divided into slices, in which the circle of confusion
+/// varies little. `slice_ratio` is the intended ratio of a slice's far depth to its near depth.
 constexpr double slice_ratio = 1.02;
 constexpr int most_slices = 32;
-/// If a volume begins at the camera, its first slice ends at this fraction of the volume's far depth. The
-/// density is uniform, so the first slice has at most 1 % of the volume's optical depth.
+/// If a volume begins at the camera, no ratio of depths can define its first slice. This slice ends at 1 % of
+/// the volume's far depth. The density is uniform, so the slice has at most 1 % of the volume's optical
+/// depth.
 constexpr double first_slice = 1e-2;
 
-/// Converts the values of the file to one stack of samples per pixel.
+/// Converts another program's image file to one stack of samples (colours with depths) per pixel.
 class Reader {
   public:
     Reader(const std::filesystem::path& path, const ForeignChoice& choice, const ForeignCameraChoice& camera)
@@ -47,8 +48,8 @@ class Reader {
         out_.y_begin = part_->data.y_min - part_->display.y_min;
         out_.x_end = out_.x_begin + part_->width();
         out_.y_end = out_.y_begin + part_->height();
-        // The pixel grid must contain the display window and the stored pixels. If they are far apart, the
-        // grid would be too large, which is an error.
+        // The pixel grid must contain both the display window and the stored pixels. If these two are far
+        // apart, the grid would be too large, which is an error.
         const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) -
                                                         std::min(0, out_.x_begin)),
                    rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) -
@@ -244,8 +245,8 @@ class Reader {
                     const float front = depths_.distance(value(z, 0)),
                                 back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
-                    // A front depth of 0 (camera inside the volume) does not tell whether the file's depths
-                    // are negative. So the absolute value of `back` is used.
+                    // The sign of the front depth tells whether the file's depths are negative. A front depth
+                    // of 0 (camera inside the volume) does not, so the absolute value of `back` is used.
                     const float end = !ForeignDepths::is_hit(back) ? 0
                                       : front == 0                 ? std::abs(back)
                                                                    : std::copysign(1.0F, front) * back;
@@ -296,8 +297,8 @@ class Reader {
         }
     }
 
-    /// Adds the part of the volume `s` between the depths `near` and `far`. `part` is its fraction of the
-    /// volume's length.
+    /// Adds one slice of the volume `s`: that between the depths `near` and `far`. The slice has the fraction
+    /// `part` of the volume's length.
     void add_slice(const StackSample& s, double near, double far, double part) {
         const double whole = static_cast<double>(s.alpha);
         const double alpha = -std::expm1(part * std::log1p(-whole));

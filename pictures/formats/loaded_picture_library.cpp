@@ -23,8 +23,8 @@ fs::path own_file() {
     return fs::read_symlink("/proc/self/exe", ec);
 }
 
-// Searches the folders above the file of this code for the module. So the build folder and the installation
-// can be moved.
+// Searches all folders above this code's file for the module postlens_pictures.so, so that the build folder
+// and the installation can be moved.
 fs::path module_path() {
     const fs::path first = own_file().parent_path().parent_path();
     std::error_code ec;

@@ -42,8 +42,8 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
     }
 }
 
-/// Returns the inverse depth, in 1/m, of a stack's last sample if the stack is opaque, and infinity if the
-/// stack transmits light. Only samples of the back image that are farther are added to the stack.
+/// Returns the inverse depth, in 1/m, of the last sample of an opaque stack of the front image, or infinity
+/// if the stack transmits light. Samples of the back image are added to the stack only if they are farther.
 float last_opaque(std::span<const StackSample> stack) {
     float last = std::numeric_limits<float>::infinity();
     double left = 1;
@@ -71,13 +71,15 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
         [&](const StackSample& a) { return a.id == s.id || a.id == 0 || s.id == 0; });
 }
 
-/// Returns the first row (or column) of the image that is combined from a front image and a back image. The
-/// front image is extended by the back image only if it begins inside the raster (`front` > 0).
+/// Returns the first row (or column) of the combination of a front and a back image, which begin at `front`
+/// and `back`. If the front image begins inside the raster (`front` > 0), the back image may extend it.
+/// Otherwise, it needs no extension.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }
-/// Returns the end (last row or column + 1) of the image that is combined from a front image and a back
-/// image. The front image is extended by the back image only if it ends inside the raster (`front` < `size`).
+/// Returns the end (last row or column + 1) of the combination of a front and a back image, which end at
+/// `front` and `back`. If the front image ends inside the raster (`front` < `size`), the back image may
+/// extend it. Otherwise, it needs no extension.
 int end_of_both(int front, int back, int size) {
     return front < size ? std::max(front, back) : front;
 }

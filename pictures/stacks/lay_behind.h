@@ -1,5 +1,5 @@
-// Adds a second image of the same camera behind a first one. The second image shows surfaces that the first
-// one hides.
+// Adds the samples of a second image behind those of a first image from the same camera. The second image
+// shows surfaces that the first one hides.
 #pragma once
 
 #include <string>

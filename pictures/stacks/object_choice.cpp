@@ -77,8 +77,8 @@ std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::stri
          choice.object, expected);
 }
 
-/// Divides a sample into two at the same depth. The first belongs to the object and is the fraction `share`
-/// of the sample.
+/// Divides a sample into two at the same depth: the fraction `share`, which belongs to the object that the
+/// user selects, and the rest.
 std::array<StackSample, 2> divided(const StackSample& s, float share) {
     std::array<StackSample, 2> out{s, s};
     const float rest = (1 - share) / (1 - share * s.alpha);
@@ -89,9 +89,9 @@ std::array<StackSample, 2> divided(const StackSample& s, float share) {
     return out;
 }
 
-/// Chooses the samples of a pixel that show an object. The object covers a given fraction of the pixel. A
-/// sample that covers a larger fraction is divided into two samples. One MaskedStack serves all pixels, to
-/// avoid allocations.
+/// Chooses the samples of a pixel that show an object, until they cover the fraction of the pixel that the
+/// object covers. A sample that would exceed this fraction is divided into two samples. One MaskedStack
+/// serves all pixels, to avoid allocations.
 class MaskedStack {
   public:
     explicit MaskedStack(std::uint16_t mask) : mask_(mask) {}
@@ -102,22 +102,22 @@ class MaskedStack {
         if (stack.empty()) return;
         const auto is_any = [](const StackSample&) { return true; };
         const auto is_same = [this](const StackSample& s) { return s.mask == mask_; };
-        // If the mask with the number `mask_` has already selected samples of this pixel, selects the same
-        // samples again.
+        // If samples of this pixel already belong to the mask image with the number `mask_`, chooses exactly
+        // these samples.
         if (std::any_of(samples_.begin(), samples_.end(), is_same)) {
             take(1, is_same);
             return;
         }
-        // First chooses samples that no mask has selected yet, because different masks usually select
-        // different objects. If they do not suffice, chooses any samples.
+        // First chooses samples that belong to no mask image yet, because different masks usually select
+        // different objects. If these samples cover less than `share` of the pixel, chooses any others.
         take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
     }
     [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }
     [[nodiscard]] const std::vector<std::uint8_t>& chosen() const { return chosen_; }
 
   private:
-    /// Goes through the samples at the pixel's nearest depth, and chooses those for which `wanted` returns
-    /// true, until they cover the fraction `share` of the pixel. Returns the part of `share` that is still
+    /// Visits the samples at the pixel's nearest depth. Chooses those for which `wanted` returns true, until
+    /// the chosen samples cover the fraction `share` of the pixel. Returns the part of `share` that is still
     /// missing.
     template <typename Wanted>
     float take(float share, const Wanted& wanted) {

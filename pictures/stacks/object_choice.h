@@ -1,4 +1,4 @@
-// Selects objects in another program's image by name, by id number, or by a mask image.
+// Selects objects of the scene in an image from another program: by name, by id number, or by a mask image.
 #pragma once
 
 #include <cstdint>

@@ -14,10 +14,10 @@ namespace postlens {
 namespace {
 
 /// The colour of a surface at an edge comes from nearby pixels that show only this surface. They are searched
-/// within these radii, in px. Filtered depths need the larger radius, because the filter also mixes the
-/// pixels beside an edge.
+/// within these radii, in px. If the other program filtered the depths, the larger radius is needed, because
+/// the filter also mixes the pixels beside an edge.
 constexpr int reach_px = 2, reach_of_means_px = 5;
-/// Depths of one surface at neighbouring positions differ by at most this relative amount.
+/// Depths of nearby pixels count as those of one surface if they differ by at most this fraction.
 constexpr double same_surface = 0.05;
 
 /// Clamps a value to the range of float. A surface's colour that is computed from a very bright pixel may
@@ -36,8 +36,8 @@ struct Portion {
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
-    /// True if this portion of the pixel shows empty space. This is so if the nearby pixels from which its
-    /// colour was taken have no colour and no alpha.
+    /// True if this part of the pixel shows empty space. Its colour and alpha, which come from nearby pixels,
+    /// are then 0.
     [[nodiscard]] bool is_nothing() const {
         return has_colour && std::all_of(rgba.begin(), rgba.end(), [](double v) { return v == 0; });
     }
@@ -134,8 +134,8 @@ class Unmixer {
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
-            // Pixels are weighted by 1 / squared distance. Adding 0.5 prevents a division by 0, because the
-            // pixel itself may be included.
+            // Colours and depths of nearby pixels are averaged with the weight 1 / squared distance. If the
+            // pixel itself may be included, adding 0.5 prevents a division by 0.
             double sum = 0, depths = 0;
             around(pixel, reach, [&](std::size_t at, int distance) {
                 const double z = inverse_z_of(at);
@@ -154,8 +154,8 @@ class Unmixer {
     }
 
     /// Adjusts the colours of a pixel's surfaces so that their mean, weighted by coverage, is the pixel's
-    /// colour `whole`. If nearby pixels do not show the colours of some surfaces, changes only the colours of
-    /// those surfaces.
+    /// colour `whole`. If no nearby pixel shows the colour of some of these surfaces, changes only those
+    /// surfaces' colours.
     static void give_colours(const std::array<double, 4>& whole, std::span<Portion> portions) {
         double unknown = 0, squares = 0;
         for (const Portion& portion : portions) {
@@ -179,8 +179,9 @@ class Unmixer {
         }
     }
 
-    /// Limits channel `c` of the surfaces in one pixel: colours to at least 0, and alphas to 0..1. Then
-    /// changes the values so that their mean, weighted by coverage, is again the pixel's value `whole`.
+    /// Limits channel `c` of the surfaces in one pixel: colours to at least 0, and alphas to 0..1. This may
+    /// change their mean, weighted by coverage. So the values are then changed until the mean is `whole`, the
+    /// pixel's value, again.
     static void keep_within(double whole, std::size_t c, std::span<Portion> portions) {
         const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
         double sum = 0, room = 0;
@@ -199,8 +200,8 @@ class Unmixer {
         }
     }
 
-    /// Converts surfaces that lie side by side in a pixel to samples one behind the other. These composite to
-    /// the same colour and alpha.
+    /// Converts surfaces that cover separate parts of a pixel to samples of a stack, which lie one behind the
+    /// other. The samples composite to the same colour and alpha.
     static std::vector<StackSample> stack_of(double whole_alpha, std::vector<Portion>& portions) {
         std::stable_sort(portions.begin(), portions.end(),
                          [](const Portion& a, const Portion& b) { return a.inverse_z > b.inverse_z; });
