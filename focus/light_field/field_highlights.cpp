@@ -76,12 +76,14 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     kernels_ = std::make_unique<KernelTable>(std::vector<double>{}, limits, *model_);
     KernelNumberCache cache(*kernels_);
     for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
-        MergedHighlights merged(*mesh, geometry);
+        MergedHighlights merged(geometry);
+        std::vector<float> sheet_area_px2(mesh->sheets.size(), 0);
+        for (const Highlight& h : mesh->highlights) sheet_area_px2[h.sheet] += h.area;
         std::map<std::uint32_t, int> moments;  // instants needed, per moving sheet
         for (const Highlight& h : mesh->highlights) {
             const SheetKey& key = mesh->sheets[h.sheet].key;
             if (motion == nullptr || !motion->moves(key)) {
-                merged.add(h);
+                merged.add(h, sheet_area_px2[h.sheet]);
                 continue;
             }
             const auto [known, is_first] = moments.try_emplace(h.sheet, 0);
@@ -168,7 +170,7 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
     // A sharp static highlight (`is_point`) is kept inside its pixel. Otherwise, rounding could move its
     // light into the next pixel.
-    const bool is_point = s.u < 0 && patch_lens(geometry_).least_blur_px(h.w) < point_below_px;
+    const bool stays_in_pixel = s.u < 0 && is_point(h, geometry_);
     for (const Span& y : divided_at_cells(middle.y, side, 1)) {
         for (const Span& x : divided_at_cells(middle.x, side, 1)) {
             Source part = s;
@@ -176,9 +178,9 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
             part.at += at - middle;
             part.x = static_cast<int>(whole.x);
             part.y = static_cast<int>(whole.y);
-            const auto phase = [is_point](double in_pixel) {
+            const auto phase = [stays_in_pixel](double in_pixel) {
                 const auto steps = static_cast<std::int32_t>(std::lround(in_pixel * KernelKey::phase_steps));
-                return is_point ? std::clamp(steps, 1, KernelKey::phase_steps - 1) : steps;
+                return stays_in_pixel ? std::clamp(steps, 1, KernelKey::phase_steps - 1) : steps;
             };
             key.phase_x = phase(at.x - whole.x);
             key.phase_y = phase(at.y - whole.y);

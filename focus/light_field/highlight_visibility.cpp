@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <numeric>
@@ -93,7 +94,10 @@ class FieldHighlights::OverViews final : public Lights {
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
     void ask_views(const Group& g, const TileViews& views, Part& part) const;
-    void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
+    /// Results of seen_share_beside, per pixel and square of 1/4 px, which neighbouring highlights share.
+    using SharesBeside = std::map<std::tuple<std::size_t, int, int>, double>;
+    void add(const Source& s, const Part* part, const TileViews& views, SharesBeside& beside,
+             std::vector<double>& light) const;
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
     [[nodiscard]] double seen_share_beside(const Source& s, const TileViews& views, std::size_t pixel,
@@ -112,8 +116,8 @@ class FieldHighlights::OverViews final : public Lights {
     /// When the nearest lens points are searched, a time difference of the whole exposure counts like this
     /// distance on the lens, in lens radii.
     static constexpr double lens_radii_of_open = 2;
-    /// Value of Part::share, the visible fraction of a group of highlights, if some views see the group and
-    /// others do not.
+    /// Value of Part::share, the visible fraction of a group of highlights, if some views of a static scene
+    /// see the group and others do not.
     static constexpr float differs = -1;
     /// An eighth of the views, but at least four, decide how much of a sharp highlight is visible: those
     /// whose sample lies closest to the highlight.
@@ -320,7 +324,7 @@ void FieldHighlights::OverViews::ask_views(const Group& g, const TileViews& view
             const double share = seen_share(g.middle, views, pixel, {x + 0.5, y + 0.5});
             part.share[static_cast<std::size_t>(y - part.y0) * SeenTile::edge +
                        static_cast<std::size_t>(x - part.x0)] =
-                share > 0 && share < 1 ? differs : static_cast<float>(share);
+                share > 0 && share < 1 && views.patches != nullptr ? differs : static_cast<float>(share);
         }
     }
 }
@@ -329,6 +333,7 @@ void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>
     Part part;
     for (const GroupHere& here : groups_in(views)) {
         const Group& g = of_.groups_[of_.sources_[here.sources.front()].group];
+        SharesBeside beside;
         const bool shared = here.samples > 0 || (g.middle.by_all && g.middle.u < 0);
         if (shared) {
             part.x0 = std::max(views.x, g.x_begin);
@@ -342,12 +347,12 @@ void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>
             }
         }
         for (const std::uint32_t i : here.sources)
-            add(of_.sources_[i], shared ? &part : nullptr, views, light);
+            add(of_.sources_[i], shared ? &part : nullptr, views, beside, light);
     }
 }
 
 void FieldHighlights::OverViews::add(const Source& s, const Part* part, const TileViews& views,
-                                     std::vector<double>& light) const {
+                                     SharesBeside& beside, std::vector<double>& light) const {
     const Kernel& kernel = (*of_.kernels_)[s.kernel];
     const int y0 = std::max(views.y, s.y + kernel.y_begin),
               y1 = std::min(views.y + views.height, s.y + kernel.y_end());
@@ -363,8 +368,14 @@ void FieldHighlights::OverViews::add(const Source& s, const Part* part, const Ti
             if (part != nullptr) {
                 const float of_part = part->share[static_cast<std::size_t>(y - part->y0) * SeenTile::edge +
                                                   static_cast<std::size_t>(x - part->x0)];
-                share *= of_part == differs ? seen_share_beside(s, views, pixel, glm::dvec2(x, y))
-                                            : static_cast<double>(of_part);
+                if (of_part == differs) {
+                    const glm::ivec2 square(glm::floor(s.at * 4.0));
+                    const auto [known, is_new] = beside.try_emplace({pixel, square.x, square.y}, 0);
+                    if (is_new) known->second = seen_share_beside(s, views, pixel, glm::dvec2(x, y));
+                    share *= known->second;
+                } else {
+                    share *= static_cast<double>(of_part);
+                }
             } else {
                 share *= seen_share(s, views, pixel, {x + 0.5, y + 0.5});
             }

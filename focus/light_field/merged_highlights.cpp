@@ -15,9 +15,9 @@ constexpr double largest_cell_px = 0.5;
 /// Width, in px, of the smallest cells in which highlights are merged. Kernel positions are multiples of this
 /// width.
 constexpr double smallest_cell_px = 1.0 / KernelKey::phase_steps;
-/// Largest number of cells into which all sharp highlights together are divided. If they have more area,
-/// their cells are larger.
-constexpr double most_cells = 1 << 19;
+/// Largest number of cells into which the sharp highlights of one sheet (16 x 16 px of a surface) are
+/// divided. If they have more area, their cells are larger.
+constexpr double most_cells = 512;
 /// Largest invisible error of radiance: half an 8-bit step of a dark sRGB value. There, sRGB values rise
 /// 12.92 times as fast as scene-linear radiance.
 constexpr double invisible = 0.5 / 255 / 12.92;
@@ -64,22 +64,18 @@ glm::dmat2 px_from_lens(const Highlight& h, const FocusGeometry& geometry) {
                       -static_cast<double>(h.w.xy), s - static_cast<double>(h.w.yy));
 }
 
+bool is_point(const Highlight& h, const FocusGeometry& geometry) {
+    const glm::dmat2 m = px_from_lens(h, geometry);
+    return std::hypot(glm::length(m[0]), glm::length(m[1])) < point_below_px;
+}
+
 glm::dvec2 inclination_shift_px(const Highlight& h, const FocusGeometry& geometry) {
     glm::dvec2 widening = patch_lens(geometry).radius_px_m * glm::dvec2(h.slope);
     widening /= std::max(1.0, glm::length(widening));
     return px_from_lens(h, geometry) * (widening / -4.0);
 }
 
-MergedHighlights::MergedHighlights(const SheetMesh& mesh, const FocusGeometry& geometry)
-    : geometry_(geometry), least_cell_px_(smallest_cell_px) {
-    double area_px2 = 0;
-    for (const Highlight& h : mesh.highlights) {
-        if (patch_lens(geometry).least_blur_px(h.w) < sharp_below_px) area_px2 += static_cast<double>(h.area);
-    }
-    while (area_px2 > most_cells * least_cell_px_ * least_cell_px_) least_cell_px_ *= 2;
-}
-
-void MergedHighlights::add(const Highlight& h) {
+void MergedHighlights::add(const Highlight& h, float sheet_area_px2) {
     const double blur_px = patch_lens(geometry_).least_blur_px(h.w),
                  side = std::sqrt(static_cast<double>(h.area));
     double cell_px = invisible_cell_px(h, blur_px);
@@ -88,10 +84,14 @@ void MergedHighlights::add(const Highlight& h) {
         return;
     }
     glm::dvec2 first_px = -inclination_shift_px(h, geometry_);
-    if (blur_px < point_below_px) {
+    if (is_point(h, geometry_)) {
         cell_px = 1;  // a pixel
     } else {
-        cell_px = std::min(std::max(cell_px, least_cell_px_), largest_cell_px);
+        // Only the highlight and its sheet decide, so that each part of an image is the same as in the whole
+        // image.
+        while (cell_px < largest_cell_px &&
+               (cell_px < side / 2 || static_cast<double>(sheet_area_px2) > most_cells * cell_px * cell_px))
+            cell_px *= 2;
         first_px += cell_px / 2;  // kernel positions are cell centres, so that rounding moves no light
     }
     for (const Span& y : divided_at_cells(static_cast<double>(h.y), side, cell_px, first_px.y)) {

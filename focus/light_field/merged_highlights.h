@@ -17,8 +17,7 @@ namespace postlens {
 /// single lens points show the highlight at separate positions, and their mean shows separate dots.
 constexpr double sharp_below_px = 2;
 
-/// Below this blur radius, in px, the light that falls into a pixel is treated as if it all fell into the
-/// pixel's interior.
+/// Highlights whose blur radius is below this in all directions, in px, count as points (is_point).
 constexpr double point_below_px = 1.0 / KernelKey::phase_steps;
 
 /// A part of an interval, and its share of the whole.
@@ -43,6 +42,10 @@ struct SourcePart {
 /// in px.
 [[nodiscard]] glm::dmat2 px_from_lens(const Highlight& h, const FocusGeometry& geometry);
 
+/// Returns whether the blur of a highlight is so small that all light that falls into a pixel may be moved to
+/// the pixel's interior.
+[[nodiscard]] bool is_point(const Highlight& h, const FocusGeometry& geometry);
+
 /// An inclined surface looks larger from one side of the lens, and sends more light through this side.
 /// Returns how far this shifts the centre of the surface's blur, in px.
 [[nodiscard]] glm::dvec2 inclination_shift_px(const Highlight& h, const FocusGeometry& geometry);
@@ -56,12 +59,13 @@ class MergedHighlights {
         double energy = 0;
         std::vector<SourcePart> parts;
     };
-    /// `mesh` and `geometry` must outlive this object.
-    MergedHighlights(const SheetMesh& mesh, const FocusGeometry& geometry);
+    /// `geometry` must outlive this object.
+    explicit MergedHighlights(const FocusGeometry& geometry) : geometry_(geometry) {}
 
     /// Adds a highlight of a static surface. A sharp highlight is divided at the borders of the cells in
     /// which highlights are merged, so that merging keeps the shape of its light.
-    void add(const Highlight& h);
+    /// - `sheet_area_px2`: area of all highlights of the same sheet
+    void add(const Highlight& h, float sheet_area_px2);
     /// Adds a highlight of a moving surface. Cells are `cell_px` wide.
     void add_moving(const Highlight& h, double cell_px);
 
@@ -74,7 +78,6 @@ class MergedHighlights {
     /// `first_px`: position of one corner of a cell
     void merge(const Highlight& h, const glm::vec2& size, double cell_px, const glm::dvec2& first_px);
     const FocusGeometry& geometry_;
-    double least_cell_px_;
     std::map<std::tuple<std::uint32_t, int, int, int>, Merged> merged_;
 };
 
