@@ -150,6 +150,26 @@ TEST(LightsWithRays, ALightBehindAPostKeepsItsRecordedLight) {
     EXPECT_GT(db(got, truth), db(rendered(b.scene, c, 50, 64, 5, true), truth) + 10);
 }
 
+// Image of 64 x 48 px of a square light of side `side_px`, blurred by a disc: the part of its light in each
+// pixel. Its upper left corner is `from_px` right of and below the centre of the image.
+std::vector<double> blurred_square(double from_px, double side_px, double blur_px) {
+    constexpr int points = 64;
+    std::vector<double> out(std::size_t{64} * 48);
+    for (int i = 0; i < points * points; ++i) {
+        const glm::dvec2 at = from_px + side_px / points * glm::dvec2(i % points + 0.5, i / points + 0.5),
+                         whole = glm::floor(at);
+        const Kernel kernel = make_kernel(Ellipse::disc(blur_px), at.x - whole.x, at.y - whole.y, {32, 24});
+        for (std::size_t row = 0; row < kernel.rows.size(); ++row) {
+            const std::size_t y =
+                static_cast<std::size_t>(24 + static_cast<int>(whole.y) + kernel.y_begin) + row;
+            for (int x = kernel.rows[row].x_begin; x < kernel.rows[row].x_end; ++x)
+                out[y * 64 + static_cast<std::size_t>(32 + static_cast<int>(whole.x) + x)] +=
+                    kernel.at(kernel.rows[row], x) / (points * points);
+        }
+    }
+    return out;
+}
+
 // A light is added to the image by its exact response, so rays must not see it again.
 TEST(LightsWithRays, MeetNoHighlightTwice) {
     SceneBuilder b;
@@ -381,17 +401,7 @@ TEST(LightsWithRays, SpreadALampFromAllOfItsArea) {
     HybridSettings s = hybrid_of(c, 50, 64);
     s.scene = &b.scene;
     const Image got = hybrid_picture(frame.file(), s).focus.image;
-    constexpr int points = 32;
-    std::vector<double> expected(std::size_t{64} * 48);
-    for (int i = 0; i < points * points; ++i) {
-        const glm::dvec2 in_lamp = side_px / points * glm::dvec2(i % points + 0.5, i / points + 0.5);
-        const Kernel kernel = make_kernel(Ellipse::disc(blur_px), in_lamp.x, in_lamp.y, {32, 24});
-        for (std::size_t row = 0; row < kernel.rows.size(); ++row) {
-            for (int x = kernel.rows[row].x_begin; x < kernel.rows[row].x_end; ++x)
-                expected[(24 + static_cast<std::size_t>(kernel.y_begin) + row) * 64 + 32 +
-                         static_cast<std::size_t>(x)] += kernel.at(kernel.rows[row], x) / (points * points);
-        }
-    }
+    const std::vector<double> expected = blurred_square(0, side_px, blur_px);
     const double light = radiance * side_px * side_px,
                  in_disc = light / (std::numbers::pi * blur_px * blur_px);
     double largest = 0;
@@ -417,19 +427,7 @@ TEST(LightsWithRays, KeepTheShapeOfASharpLamp) {
     HybridSettings s = hybrid_of(c, 50, 256);
     s.scene = &b.scene;
     const Image got = hybrid_picture(frame.file(), s).focus.image;
-    constexpr int points = 64;
-    std::vector<double> expected(std::size_t{64} * 48);
-    for (int i = 0; i < points * points; ++i) {
-        const glm::dvec2 p = 0.3 + 0.84 / points * glm::dvec2(i % points + 0.5, i / points + 0.5),
-                         whole = glm::floor(p);
-        const Kernel kernel = make_kernel(Ellipse::disc(blur_px), p.x - whole.x, p.y - whole.y, {32, 24});
-        for (std::size_t row = 0; row < kernel.rows.size(); ++row) {
-            for (int x = kernel.rows[row].x_begin; x < kernel.rows[row].x_end; ++x)
-                expected[(24 + static_cast<std::size_t>(whole.y + kernel.y_begin) + row) * 64 + 32 +
-                         static_cast<std::size_t>(whole.x + x)] +=
-                    kernel.at(kernel.rows[row], x) / (points * points);
-        }
-    }
+    const std::vector<double> expected = blurred_square(0.3, 0.84, blur_px);
     const double light = radiance * 0.84 * 0.84;
     double largest = 0;
     for (std::size_t k = 0; k < expected.size(); ++k)
