@@ -13,7 +13,7 @@ using Kind = LayerPart::Kind;
 constexpr double enough_weight = 0.05;
 
 /// Light that arrives at a pixel after one sequence of reflections and transmissions, such as a single
-/// reflection. `terms` has the sums of what is seen there.
+/// reflection. `terms` has the sums over the surfaces seen there.
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};

@@ -30,9 +30,7 @@ struct Span {
 
 /// One of the rectangles of light that are merged into one light source.
 /// - `at`: centre, px; in MergedHighlights in the raster, in FieldHighlights relative to the light source
-/// - `area_until`: sum of the areas of this rectangle and all earlier ones of the light source, in px^2;
-/// serves
-///   to choose a random rectangle
+/// - `area_until`: sum of the areas of the light source's rectangles up to this one, px^2
 struct SourcePart {
     glm::vec2 at{0}, size{0};
     float area_until = 0;

@@ -150,26 +150,6 @@ TEST(LightsWithRays, ALightBehindAPostKeepsItsRecordedLight) {
     EXPECT_GT(db(got, truth), db(rendered(b.scene, c, 50, 64, 5, true), truth) + 10);
 }
 
-// Image of 64 x 48 px of a square light of side `side_px`, blurred by a disc: the part of its light in each
-// pixel. Its upper left corner is `from_px` right of and below the centre of the image.
-std::vector<double> blurred_square(double from_px, double side_px, double blur_px) {
-    constexpr int points = 64;
-    std::vector<double> out(std::size_t{64} * 48);
-    for (int i = 0; i < points * points; ++i) {
-        const glm::dvec2 at = from_px + side_px / points * glm::dvec2(i % points + 0.5, i / points + 0.5),
-                         whole = glm::floor(at);
-        const Kernel kernel = make_kernel(Ellipse::disc(blur_px), at.x - whole.x, at.y - whole.y, {32, 24});
-        for (std::size_t row = 0; row < kernel.rows.size(); ++row) {
-            const std::size_t y =
-                static_cast<std::size_t>(24 + static_cast<int>(whole.y) + kernel.y_begin) + row;
-            for (int x = kernel.rows[row].x_begin; x < kernel.rows[row].x_end; ++x)
-                out[y * 64 + static_cast<std::size_t>(32 + static_cast<int>(whole.x) + x)] +=
-                    kernel.at(kernel.rows[row], x) / (points * points);
-        }
-    }
-    return out;
-}
-
 // A light is added to the image by its exact response, so rays must not see it again.
 TEST(LightsWithRays, MeetNoHighlightTwice) {
     SceneBuilder b;
@@ -367,8 +347,6 @@ TEST(LightsWithRays, ShowAllLightOfARingThatRecordsMeetInPlaces) {
     EXPECT_NEAR(light / (radiance * area_px2), 1.01, 0.045);
 }
 
-// The rim of a highlight's circle of confusion shows how wide the highlight is. If all light of half a pixel
-// were spread from one point, the rim would be too sharp.
 // Light of a wide surface continues beyond the recorded pixels. Rays must not follow it without end.
 TEST(LightsWithRays, MeasureTheEdgeOfABrightFloorWithFewRays) {
     SceneBuilder b;
@@ -388,56 +366,74 @@ TEST(LightsWithRays, MeasureTheEdgeOfABrightFloorWithFewRays) {
     EXPECT_LT(result.rays.eye, 4096U * 256 + 4 * 240 * 136);
 }
 
-TEST(LightsWithRays, SpreadALampFromAllOfItsArea) {
-    constexpr double px_per_m = 50 / (36.0 / 64), depth_m = 4, side_px = 0.5, blur_px = 5.75, f_number = 0.7,
-                     radiance = 4000, side_m = side_px / px_per_m * depth_m;
-    // The lamp has the centre (32.25, 24.25) px, so that the rim for its centre just reaches column 38.
+// Image of 64 x 48 px of a square light of side `side_px`, blurred by a disc: the part of its light in each
+// pixel. Its upper left corner is `from_px` right of and below the centre of the image.
+std::vector<double> blurred_square(double from_px, double side_px, double blur_px) {
+    constexpr int points = 64;
+    std::vector<double> out(std::size_t{64} * 48);
+    for (int i = 0; i < points * points; ++i) {
+        const glm::dvec2 at = from_px + side_px / points * glm::dvec2(i % points + 0.5, i / points + 0.5),
+                         whole = glm::floor(at);
+        const Kernel kernel = make_kernel(Ellipse::disc(blur_px), at.x - whole.x, at.y - whole.y, {32, 24});
+        for (std::size_t row = 0; row < kernel.rows.size(); ++row) {
+            const std::size_t y =
+                static_cast<std::size_t>(24 + static_cast<int>(whole.y) + kernel.y_begin) + row;
+            for (int x = kernel.rows[row].x_begin; x < kernel.rows[row].x_end; ++x)
+                out[y * 64 + static_cast<std::size_t>(32 + static_cast<int>(whole.x) + x)] +=
+                    kernel.at(kernel.rows[row], x) / (points * points);
+        }
+    }
+    return out;
+}
+
+// Traces a square lamp, blurs it, and returns the largest error of a pixel. The arguments are those of
+// blurred_square.
+double largest_error_of_lamp(double from_px, double side_px, double blur_px, double radiance, double f_number,
+                             int views) {
+    constexpr double px_per_m = 50 / (36.0 / 64), depth_m = 4;
+    const double from_m = from_px / px_per_m * depth_m, end_m = (from_px + side_px) / px_per_m * depth_m;
     SceneBuilder b;
-    b.add(board(0, side_m, -side_m, 0, depth_m), glowing(dvec3(radiance)));
+    b.add(board(from_m, end_m, -end_m, -from_m, depth_m), glowing(dvec3(radiance)));
     b.scene.sha256 = std::string(64, 'a');
     const double lens_radius_m = 0.05 / f_number / 2;
     const Case c{"", f_number, 1 / (blur_px / (px_per_m * lens_radius_m) + 1 / depth_m)};
     const TracedFrame frame(b.scene, traced_for(c));
-    HybridSettings s = hybrid_of(c, 50, 64);
+    HybridSettings s = hybrid_of(c, 50, views);
     s.scene = &b.scene;
     const Image got = hybrid_picture(frame.file(), s).focus.image;
-    const std::vector<double> expected = blurred_square(0, side_px, blur_px);
-    const double light = radiance * side_px * side_px,
-                 in_disc = light / (std::numbers::pi * blur_px * blur_px);
+    const std::vector<double> expected = blurred_square(from_px, side_px, blur_px);
+    const double light = radiance * side_px * side_px;
     double largest = 0;
     for (std::size_t k = 0; k < expected.size(); ++k)
         largest = std::max(largest, std::abs(static_cast<double>(got.rgb[3 * k]) - light * expected[k]));
+    return largest;
+}
+
+// The rim of a highlight's circle of confusion shows how wide the highlight is. If all light of half a pixel
+// were spread from one point, the rim would be too sharp.
+TEST(LightsWithRays, SpreadALampFromAllOfItsArea) {
+    constexpr double side_px = 0.5, blur_px = 5.75, radiance = 4000,
+                     in_disc = radiance * side_px * side_px / (std::numbers::pi * blur_px * blur_px);
+    // The lamp has the centre (32.25, 24.25) px, so that the rim for its centre just reaches column 38.
+    //
     // The radius of the disc is right to 1/128 px. Light is displaced by up to 1/16 px, and by 1/64 px on the
     // mean of those squares of 1/8 px that it moves away from a pixel. One of 64 views may show radiance
     // of 1.
-    EXPECT_LT(largest, in_disc * (1.0 / 128 + 1.0 / 64) + 1.0 / 64);
+    EXPECT_LT(largest_error_of_lamp(0, side_px, blur_px, radiance, 0.7, 64),
+              in_disc * (1.0 / 128 + 1.0 / 64) + 1.0 / 64);
 }
 
-// A sharp lamp and its blur of 0.3 px reach into pixels by little. Each pixel must get its light.
+// The edges of a sharp lamp, blurred by 0.3 px, cover a small part of some pixels. The image must have the
+// right light in each of them.
 TEST(LightsWithRays, KeepTheShapeOfASharpLamp) {
-    constexpr double px_per_m = 50 / (36.0 / 64), depth_m = 4, f_number = 8, blur_px = 0.3, radiance = 20;
-    const auto at = [](double px) { return px / px_per_m * depth_m; };
-    // The lamp extends from 0.3 to 1.14 px right of and below the centre of the image, (32, 24) px.
-    SceneBuilder b;
-    b.add(board(at(0.3), at(1.14), at(-1.14), at(-0.3), depth_m), glowing(dvec3(radiance)));
-    b.scene.sha256 = std::string(64, 'a');
-    const double lens_radius_m = 0.05 / f_number / 2;
-    const Case c{"", f_number, 1 / (blur_px / (px_per_m * lens_radius_m) + 1 / depth_m)};
-    const TracedFrame frame(b.scene, traced_for(c));
-    HybridSettings s = hybrid_of(c, 50, 256);
-    s.scene = &b.scene;
-    const Image got = hybrid_picture(frame.file(), s).focus.image;
-    const std::vector<double> expected = blurred_square(0.3, 0.84, blur_px);
-    const double light = radiance * 0.84 * 0.84;
-    double largest = 0;
-    for (std::size_t k = 0; k < expected.size(); ++k)
-        largest = std::max(largest, std::abs(static_cast<double>(got.rgb[3 * k]) - light * expected[k]));
+    constexpr double radiance = 20;
     // Rays measure the area of the lamp to about 0.007 px^2. Measured: 0.013; with squares of 1/8 px that
     // do not end at pixel borders 0.22.
-    EXPECT_LT(largest, 0.007 * radiance);
+    EXPECT_LT(largest_error_of_lamp(0.3, 0.84, 0.3, radiance, 8, 256), 0.007 * radiance);
 }
 
-// A post covers 0.4 of a pixel's width and hides the views' samples there, but nothing of the lamp beside it.
+// A post covers the left 40 % of a pixel, and a lamp a part of the rest. The post hides nothing of the lamp,
+// although many views see the post in this pixel.
 TEST(LightsWithRays, ShowAllOfASharpLampBesideAPost) {
     constexpr double px_per_m = 50 / (36.0 / 64), f_number = 16;
     const auto at = [](double px, double depth_m) { return px / px_per_m * depth_m; };

@@ -74,8 +74,8 @@ class CellSplit {
     /// trees: points of the same object after the same bounces. Returns false if a tree has no counterpart.
     [[nodiscard]] static bool nodes_like(const Seen* s, int count, std::uint32_t n, NodeOfEach& out);
     /// Returns the index of the surface point in the shading tree `in` that is reached by the bounces of
-    /// `path`. Tests the index `guess` first. It is that of the same point in another tree, and the trees at
-    /// a cell's corners are mostly alike.
+    /// `path`. Tests `guess` first, the index of the same point in another tree, because the trees at a
+    /// cell's corners are mostly alike.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
     /// Like node_of_path, but also requires the id of `wanted`.
