@@ -7,6 +7,10 @@
 
 #include "core/multiversion.h"
 
+#ifdef POSTLENS_VERSION
+#include <immintrin.h>
+#endif
+
 namespace postlens {
 namespace {
 
@@ -126,7 +130,7 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
     return node;
 }
 
-/// A loop over the set bits of `found`, because a SIMD gather is not faster: about half of the bits are 0.
+/// Draws the samples of the set bits of `found`, one by one.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));
@@ -140,50 +144,110 @@ POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t
     }
 }
 
+/// The pixels of a tile in which a patch is drawn: all, or those for which `in` holds the number `id`.
+struct Where {
+    const std::uint32_t* in = nullptr;
+    std::uint32_t id = 0;
+    template <int lanes>
+    [[nodiscard]] POSTLENS_PART std::uint32_t samples(std::size_t k) const {
+        return in == nullptr ? ~0U : wanted_in<lanes>(in + k, id);
+    }
+};
+
 template <int lanes>
-POSTLENS_PART void draw_run(const Run& run, const Seen& seen) {
+POSTLENS_PART void draw_run(const Run& run, const Where& where, const Seen& seen) {
     Lanes lane;  // NOLINT(cppcoreguidelines-pro-type-member-init): find_samples fills it
     for (int j = run.j0; j <= run.j1; ++j) {
         const glm::vec2 first = run.first(j);
         for (int i = 0; i < run.count; i += lanes) {
             const std::size_t k = run.pixel(j) + static_cast<std::size_t>(i);
-            draw_samples(run, lane, find_samples<lanes>(run, first, i, seen.z + k, lane), seen.from(k));
+            const std::uint32_t found = find_samples<lanes>(run, first, i, seen.z + k, lane);
+            draw_samples(run, lane, found & where.samples<lanes>(k), seen.from(k));
         }
     }
 }
 
+POSTLENS_PART void draw_runs(const Run& run, const Where& where, const Seen& seen) {
+    if (run.count <= few_lanes) {
+        draw_run<few_lanes>(run, where, seen);
+    } else {
+        draw_run<most_lanes>(run, where, seen);
+    }
+}
+
+#ifdef POSTLENS_VERSION
+POSTLENS_VERSION("default") void draw_rows(const Run& run, const Where& where, const Seen& seen) {
+    draw_runs(run, where, seen);
+}
+POSTLENS_VERSION("arch=x86-64-v3") void draw_rows(const Run& run, const Where& where, const Seen& seen) {
+    draw_runs(run, where, seen);
+}
+
+/// Draws the samples in undivided pixels together, because AVX-512 can read and write any subset of lanes.
+/// Returns the set bits of `found` that remain. Its registers are as wide as those with which find_samples
+/// wrote `lane`: loading one wide register from two narrow stores would stall.
 template <int lanes>
-POSTLENS_PART void draw_run_in(const Run& run, const std::uint32_t* in, std::uint32_t id, const Seen& seen) {
+POSTLENS_VERSION("arch=x86-64-v4")
+POSTLENS_PART std::uint32_t
+    draw_undivided(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
+    constexpr int leaf = std::bit_cast<int>(SheetNode::leaf), maybe = std::bit_cast<int>(SheetNode::maybe);
+    const int mark = std::bit_cast<int>(run.mark);
+    if constexpr (lanes == 16) {
+        const auto wanted = static_cast<__mmask16>(found);
+        const __m512i leaves = _mm512_set1_epi32(leaf), cell = _mm512_load_si512(lane.cell.data()),
+                      node = _mm512_mask_i32gather_epi32(leaves, wanted, cell, run.roots, 4);
+        const __mmask16 of_leaf = _mm512_mask_test_epi32_mask(wanted, node, leaves),
+                        drawn = _mm512_mask_cmplt_epu32_mask(of_leaf, node, _mm512_set1_epi32(maybe));
+        _mm512_mask_storeu_ps(seen.z, drawn, _mm512_load_ps(lane.z.data()));
+        _mm512_mask_storeu_epi32(seen.texel, drawn,
+                                 _mm512_or_si512(_mm512_xor_si512(node, leaves), _mm512_set1_epi32(mark)));
+        return found & ~std::uint32_t{drawn};
+    } else {
+        static_assert(lanes == 8);
+        const auto wanted = static_cast<__mmask8>(found);
+        const auto* cells = reinterpret_cast<const __m256i*>(lane.cell.data());
+        const __m256i leaves = _mm256_set1_epi32(leaf),
+                      node = _mm256_mmask_i32gather_epi32(leaves, wanted, _mm256_load_si256(cells), run.roots,
+                                                          4);
+        const __mmask8 of_leaf = _mm256_mask_test_epi32_mask(wanted, node, leaves),
+                       drawn = _mm256_mask_cmplt_epu32_mask(of_leaf, node, _mm256_set1_epi32(maybe));
+        _mm256_mask_storeu_ps(seen.z, drawn, _mm256_load_ps(lane.z.data()));
+        _mm256_mask_storeu_epi32(seen.texel, drawn,
+                                 _mm256_or_si256(_mm256_xor_si256(node, leaves), _mm256_set1_epi32(mark)));
+        return found & ~std::uint32_t{drawn};
+    }
+}
+
+template <int lanes>
+POSTLENS_VERSION("arch=x86-64-v4")
+POSTLENS_PART void draw_run_together(const Run& run, const Where& where, const Seen& seen) {
     Lanes lane;  // NOLINT(cppcoreguidelines-pro-type-member-init): find_samples fills it
     for (int j = run.j0; j <= run.j1; ++j) {
         const glm::vec2 first = run.first(j);
         for (int i = 0; i < run.count; i += lanes) {
             const std::size_t k = run.pixel(j) + static_cast<std::size_t>(i);
             const std::uint32_t found =
-                find_samples<lanes>(run, first, i, seen.z + k, lane) & wanted_in<lanes>(in + k, id);
-            draw_samples(run, lane, found, seen.from(k));
+                find_samples<lanes>(run, first, i, seen.z + k, lane) & where.samples<lanes>(k);
+            if (found == 0) continue;
+            draw_samples(run, lane, draw_undivided<lanes>(run, lane, found, seen.from(k)), seen.from(k));
         }
     }
 }
 
+POSTLENS_VERSION("arch=x86-64-v4") void draw_rows(const Run& run, const Where& where, const Seen& seen) {
+    if (run.count <= few_lanes) {
+        draw_run_together<few_lanes>(run, where, seen);
+    } else {
+        draw_run_together<most_lanes>(run, where, seen);
+    }
+}
+#else
+void draw_rows(const Run& run, const Where& where, const Seen& seen) {
+    draw_runs(run, where, seen);
+}
+#endif
+
 #undef POSTLENS_PART
-
-POSTLENS_MULTIVERSION void draw_rows(const Run& run, const Seen& seen) {
-    if (run.count <= few_lanes) {
-        draw_run<few_lanes>(run, seen);
-    } else {
-        draw_run<most_lanes>(run, seen);
-    }
-}
-
-POSTLENS_MULTIVERSION void draw_rows_in(const Run& run, const std::uint32_t* in, std::uint32_t id,
-                                        const Seen& seen) {
-    if (run.count <= few_lanes) {
-        draw_run_in<few_lanes>(run, in, id, seen);
-    } else {
-        draw_run_in<most_lanes>(run, in, id, seen);
-    }
-}
 
 /// Bounding box of pixels, added row by row.
 class PartOfPixels {
@@ -245,7 +309,7 @@ void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& pla
                 SeenTile& out) {
     if (!(glm::determinant(place.move) > smallest_area)) return;
     const auto run = run_of(mesh, patch, place, tile, {0, tile.width, 0, tile.height});
-    if (run) draw_rows(*run, seen_in(out));
+    if (run) draw_rows(*run, {}, seen_in(out));
 }
 
 TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at) {
@@ -302,9 +366,9 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;
-    draw_rows_in(*run, wanted.in.data(), parent_id, seen_in(out));
+    draw_rows(*run, {wanted.in.data(), parent_id}, seen_in(out));
     if (!wanted.any_gaps || patch.bent) return;
-    draw_rows_in(*run, wanted.in.data(), WantedPixels::in_gap(parent_id), seen_in(out));
+    draw_rows(*run, {wanted.in.data(), WantedPixels::in_gap(parent_id)}, seen_in(out));
 }
 
 }  // namespace postlens

@@ -27,4 +27,10 @@ struct PixelList {
 void add_seen_light(std::span<const Texel> texels, const SeenTile& seen, int width, int height, double weight,
                     LightSums& sums, PixelList& with_children);
 
+/// Lists those of the first `width` x `height` pixels of a tile whose colour in a view is not certain: they
+/// show no surface, a nearer surface may hide what they show, or their texel has one of the bits `doubts` of
+/// Texel::info.
+void find_doubtful_pixels(std::span<const Texel> texels, const SeenTile& seen, int width, int height,
+                          std::uint32_t doubts, PixelList& found);
+
 }  // namespace postlens

@@ -47,32 +47,24 @@ void RaySamples::leave_to_rays(const ShownView& shown, int x, int y, double weig
         recorded[k][3] += weight;
         return;
     }
-    lines_.push_back(shown.line(x, y));
+    shown.add_line(x, y, lines_);
     pixel_.push_back(static_cast<std::uint16_t>(k));
     weight_.push_back(weight);
 }
 
 void RaySamples::find_doubtful(const ShownView& shown, bool parents) {
-    const bool all = whole_tile() || shown.view.uses.size() != 1;
-    const SeenTile& seen = shown.seen[0];
-    const Texel* texels = shown.mesh(0).sheets->texels.data();
-    const std::uint32_t doubts =
-        Texel::unsure_bit | Texel::unsure_below_bit | (parents ? Texel::children_bits : 0U);
-    std::size_t count = 0;
-    for (int y = 0; y < shown.at.height; ++y) {
-        const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
-        for (std::size_t k = row; k < row + static_cast<std::size_t>(shown.at.width); ++k) {
-            const std::uint32_t number = seen.texel[k];
-            // Every pixel is written to the list, but only pixels without a certain colour advance `count`.
-            // This avoids a branch, which would often be mispredicted.
-            doubtful_.pixels[count] = static_cast<std::uint16_t>(k);
-            count += all || number == SeenTile::no_texel || seen.may_be_hidden(k) ||
-                             (texels[number].info & doubts) != 0
-                         ? 1
-                         : 0;
-        }
+    if (!whole_tile() && shown.view.uses.size() == 1) {
+        const std::uint32_t doubts =
+            Texel::unsure_bit | Texel::unsure_below_bit | (parents ? Texel::children_bits : 0U);
+        find_doubtful_pixels(shown.mesh(0).sheets->texels, shown.seen[0], shown.at.width, shown.at.height,
+                             doubts, doubtful_);
+        return;
     }
-    doubtful_.count = count;
+    doubtful_.count = 0;
+    for (int y = 0; y < shown.at.height; ++y) {
+        for (int x = 0; x < shown.at.width; ++x)
+            doubtful_.pixels[doubtful_.count++] = static_cast<std::uint16_t>(y * SeenTile::edge + x);
+    }
 }
 
 void RaySamples::set_aside(const ShownView& shown, LightSums& recorded) {
@@ -173,7 +165,7 @@ void CheckedSamples::note(const ShownView& shown, std::size_t number, std::size_
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         const int x = pixels[i] % SeenTile::edge, y = pixels[i] / SeenTile::edge;
         if (noted_[i].w == 0 || !shown.passes(x, y)) continue;
-        lines_.push_back(shown.line(x, y));
+        shown.add_line(x, y, lines_);
         pixel_.push_back(pixels[i]);
         recorded_.push_back(noted_[i]);
     }

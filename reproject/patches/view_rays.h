@@ -53,8 +53,17 @@ struct ShownView {
     [[nodiscard]] bool passes(int x, int y) const {
         return !view.passes || view.passes(at.x - field.x + x, at.y - field.y + y);
     }
-    [[nodiscard]] SightLine line(int x, int y) const {
-        return {at.x + x, at.y + y, view.sample, view.lens_point, view.light_before, view.set, view.number};
+    /// Writes each member in place: a line that is built first and then copied stalls the processor, because
+    /// it loads values that it has only just stored.
+    void add_line(int x, int y, std::vector<SightLine>& lines) const {
+        SightLine& line = lines.emplace_back();
+        line.x = at.x + x;
+        line.y = at.y + y;
+        line.place = view.sample;
+        line.lens = view.lens_point;
+        line.light_before = view.light_before;
+        line.set = view.set;
+        line.view = view.number;
     }
 
     /// A pixel shows the same surface at two recorded instants if the ids are equal and the inverse depths
