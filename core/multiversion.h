@@ -8,8 +8,9 @@
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(POSTLENS_NO_MULTIVERSION)
 #define POSTLENS_MULTIVERSION __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-// In front of several functions with the same name and parameters, each written for one instruction set
-// ("default", "arch=x86-64-v4"). The program calls the one that suits the processor. Not defined with clang.
+// In front of several definitions of one function in an anonymous namespace, each for one instruction set:
+// "default", "arch=x86-64-v3", "arch=x86-64-v4". Code below all definitions calls the one that suits the
+// processor. Other code would call the default one. Not defined where POSTLENS_MULTIVERSION is empty.
 #define POSTLENS_VERSION(instruction_set) __attribute__((target(instruction_set)))
 #else
 #define POSTLENS_MULTIVERSION

@@ -37,8 +37,8 @@ complain() {
 
 # --- Instructions of the program ---
 
-# Names of the functions that have clones, from the names of their default clones.
-nm "$program" | sed -nE 's/^[0-9a-f]+ [a-zA-Z] (.*)\.default$/\1/p' | sort -u >"$folder/functions"
+# Names of the functions that have clones.
+nm "$program" | sed -nE 's/^[0-9a-f]+ [a-zA-Z] (.*)\.(default|arch_x86_64_v[34])(\.[0-9]+)?$/\1/p' | sort -u >"$folder/functions"
 functions=$(wc -l <"$folder/functions")
 ((functions > 0)) || complain "$program has no clones; was it built with POSTLENS_NO_MULTIVERSION?"
 
@@ -87,7 +87,9 @@ check() {
         grep -v "TCG doesn't support requested feature" "$folder/errors" >&2 || true
         return
     fi
-    cat "$log".* | sed -nE 's/^IN: (.*)\.(default|arch_x86_64_v[34])(\..*)?$/\1 \2/p' | sort -u >"$folder/ran"
+    # The default clone may have the plain name.
+    cat "$log".* | sed -nE -e 's/^IN: (.*)\.(default|arch_x86_64_v[34])(\..*)?$/\1 \2/p' -e t -e 's/^IN: (.*)$/\1 default/p' |
+        sort -u | join - "$folder/functions" >"$folder/ran"
     rm -f "$log".*
     other=$(grep -vc " $suffix\$" "$folder/ran" || true)
     ((other == 0)) || complain "$model: $other functions run in another clone than $suffix"

@@ -190,14 +190,14 @@ template <int lanes>
 POSTLENS_VERSION("arch=x86-64-v4")
 POSTLENS_PART std::uint32_t
     draw_undivided(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
+    // Signed, only leaves are less than SheetNode::maybe.
     constexpr int leaf = std::bit_cast<int>(SheetNode::leaf), maybe = std::bit_cast<int>(SheetNode::maybe);
     const int mark = std::bit_cast<int>(run.mark);
     if constexpr (lanes == 16) {
         const auto wanted = static_cast<__mmask16>(found);
         const __m512i leaves = _mm512_set1_epi32(leaf), cell = _mm512_load_si512(lane.cell.data()),
                       node = _mm512_mask_i32gather_epi32(leaves, wanted, cell, run.roots, 4);
-        const __mmask16 of_leaf = _mm512_mask_test_epi32_mask(wanted, node, leaves),
-                        drawn = _mm512_mask_cmplt_epu32_mask(of_leaf, node, _mm512_set1_epi32(maybe));
+        const __mmask16 drawn = _mm512_mask_cmplt_epi32_mask(wanted, node, _mm512_set1_epi32(maybe));
         _mm512_mask_storeu_ps(seen.z, drawn, _mm512_load_ps(lane.z.data()));
         _mm512_mask_storeu_epi32(seen.texel, drawn,
                                  _mm512_or_si512(_mm512_xor_si512(node, leaves), _mm512_set1_epi32(mark)));
@@ -209,8 +209,7 @@ POSTLENS_PART std::uint32_t
         const __m256i leaves = _mm256_set1_epi32(leaf),
                       node = _mm256_mmask_i32gather_epi32(leaves, wanted, _mm256_load_si256(cells), run.roots,
                                                           4);
-        const __mmask8 of_leaf = _mm256_mask_test_epi32_mask(wanted, node, leaves),
-                       drawn = _mm256_mask_cmplt_epu32_mask(of_leaf, node, _mm256_set1_epi32(maybe));
+        const __mmask8 drawn = _mm256_mask_cmplt_epi32_mask(wanted, node, _mm256_set1_epi32(maybe));
         _mm256_mask_storeu_ps(seen.z, drawn, _mm256_load_ps(lane.z.data()));
         _mm256_mask_storeu_epi32(seen.texel, drawn,
                                  _mm256_or_si256(_mm256_xor_si256(node, leaves), _mm256_set1_epi32(mark)));

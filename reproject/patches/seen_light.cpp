@@ -19,6 +19,7 @@ using Float4 = float __attribute__((vector_size(16)));
 using Double4 = double __attribute__((vector_size(32)));
 static_assert(sizeof(Texel) == sizeof(Float4) && sizeof(LightSums::value_type) == sizeof(Double4));
 
+/// As find_doubtful_pixels.
 void find_one_by_one(std::span<const Texel> texels, const SeenTile& seen, int width, int height,
                      std::uint32_t doubts, PixelList& found) {
     std::size_t count = 0;
@@ -37,6 +38,50 @@ void find_one_by_one(std::span<const Texel> texels, const SeenTile& seen, int wi
     }
     found.count = count;
 }
+
+#ifdef POSTLENS_VERSION
+POSTLENS_VERSION("default")
+void find_doubtful(std::span<const Texel> texels, const SeenTile& seen, int width, int height,
+                   std::uint32_t doubts, PixelList& found) {
+    find_one_by_one(texels, seen, width, height, doubts, found);
+}
+POSTLENS_VERSION("arch=x86-64-v4")
+void find_doubtful(std::span<const Texel> texels, const SeenTile& seen, int width, int height,
+                   std::uint32_t doubts, PixelList& found) {
+    // A gather has indices of 31 bits, here 2 * texel, in units of 8 bytes (half a Texel).
+    if (texels.empty() || texels.size() > std::size_t{1} << 30U) {
+        find_one_by_one(texels, seen, width, height, doubts, found);
+        return;
+    }
+    constexpr int lanes = 16;
+    static_assert(SeenTile::edge % lanes == 0, "the last lanes would read beyond a row");
+    const __m512i of_lane = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0),
+                  doubt = _mm512_set1_epi32(std::bit_cast<int>(doubts));
+    found.count = 0;
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; x += lanes) {
+            const int k = y * SeenTile::edge + x;
+            const unsigned inside = (1U << std::min(width - x, lanes)) - 1;
+            const __m512i texel = _mm512_loadu_si512(seen.texel.data() + k);
+            const __mmask16 some =
+                _mm512_mask_cmpneq_epi32_mask(static_cast<__mmask16>(inside), texel,
+                                              _mm512_set1_epi32(std::bit_cast<int>(SeenTile::no_texel)));
+            const __m512i info =
+                _mm512_mask_i32gather_epi32(texel, some, _mm512_add_epi32(texel, texel), &texels[0].info, 8);
+            const __mmask16 hidden =
+                _mm512_cmp_ps_mask(_mm512_loadu_ps(seen.maybe_inverse_z.data() + k),
+                                   _mm512_loadu_ps(seen.inverse_z.data() + k), _CMP_GT_OQ);
+            const unsigned listed = (~unsigned{some} | hidden | _mm512_test_epi32_mask(info, doubt)) & inside;
+            const __m512i pixel = _mm512_maskz_compress_epi32(
+                static_cast<__mmask16>(listed), _mm512_add_epi32(of_lane, _mm512_set1_epi32(k)));
+            const auto count = static_cast<unsigned>(std::popcount(listed));
+            _mm512_mask_cvtepi32_storeu_epi16(found.pixels.data() + found.count,
+                                              static_cast<__mmask16>((1U << count) - 1), pixel);
+            found.count += count;
+        }
+    }
+}
+#endif
 
 }  // namespace
 
@@ -68,49 +113,13 @@ POSTLENS_MULTIVERSION void add_seen_light(std::span<const Texel> texels, const S
     with_children.count = count;
 }
 
+void find_doubtful_pixels(std::span<const Texel> texels, const SeenTile& seen, int width, int height,
+                          std::uint32_t doubts, PixelList& found) {
 #ifdef POSTLENS_VERSION
-POSTLENS_VERSION("arch=x86-64-v4")
-void find_doubtful_pixels(std::span<const Texel> texels, const SeenTile& seen, int width, int height,
-                          std::uint32_t doubts, PixelList& found) {
-    // A gather has indices of 31 bits, here 2 * texel, in units of 8 bytes (half a Texel).
-    if (texels.size() > std::size_t{1} << 30U) {
-        find_one_by_one(texels, seen, width, height, doubts, found);
-        return;
-    }
-    constexpr int lanes = 16;
-    const __m512i of_lane = _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0),
-                  doubt = _mm512_set1_epi32(std::bit_cast<int>(doubts));
-    const std::uint32_t* info = &texels.data()->info;
-    found.count = 0;
-    for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; x += lanes) {
-            const int k = y * SeenTile::edge + x;
-            const auto inside = static_cast<__mmask16>((1U << std::min(width - x, lanes)) - 1);
-            const __m512i texel = _mm512_loadu_si512(seen.texel.data() + k);
-            const __mmask16 some = _mm512_mask_cmpneq_epi32_mask(
-                inside, texel, _mm512_set1_epi32(std::bit_cast<int>(SeenTile::no_texel)));
-            const __m512i flags =
-                _mm512_mask_i32gather_epi32(texel, some, _mm512_add_epi32(texel, texel), info, 8);
-            const __mmask16 hidden =
-                _mm512_cmp_ps_mask(_mm512_loadu_ps(seen.maybe_inverse_z.data() + k),
-                                   _mm512_loadu_ps(seen.inverse_z.data() + k), _CMP_GT_OQ);
-            const unsigned listed =
-                (~unsigned{some} | hidden | _mm512_test_epi32_mask(flags, doubt)) & inside;
-            const __m512i pixel = _mm512_maskz_compress_epi32(
-                static_cast<__mmask16>(listed), _mm512_add_epi32(of_lane, _mm512_set1_epi32(k)));
-            const auto count = static_cast<unsigned>(std::popcount(listed));
-            const auto filled = static_cast<__mmask16>((1U << count) - 1);
-            _mm256_mask_storeu_epi16(found.pixels.data() + found.count, filled,
-                                     _mm512_maskz_cvtepi32_epi16(filled, pixel));
-            found.count += count;
-        }
-    }
-}
-POSTLENS_VERSION("default")
-#endif
-void find_doubtful_pixels(std::span<const Texel> texels, const SeenTile& seen, int width, int height,
-                          std::uint32_t doubts, PixelList& found) {
+    find_doubtful(texels, seen, width, height, doubts, found);
+#else
     find_one_by_one(texels, seen, width, height, doubts, found);
+#endif
 }
 
 }  // namespace postlens

@@ -31,6 +31,7 @@ postlens focus "$out/bars.exr" -o "$out/scatter.exr" "${lens[@]}"
 postlens focus "$out/still_life.exr" -o "$out/refocused.tif" --f-number 1.8 --focus 1
 postlens focus "$out/bars.exr" -o "$out/layers.exr" "${lens[@]}" --method layers --impulse polygon:7 --cats-eye 0.6
 postlens focus "$out/bars.exr" -o "$out/light_field.exr" "${lens[@]}" --method lightfield --views 16
+postlens focus "$out/bars.exr" -o "$out/hybrid.exr" "${lens[@]}" --method hybrid --views 16 --scene "$scenes/bars.toml"
 postlens focus "$out/still_life.exr" -o "$out/mirrored.exr" --f-number 1.8 --focus 1 --method lightfield --views 8
 postlens focus "$out/still_life.exr" -o "$out/layers_mirrored.exr" --f-number 1.8 --focus 1 --method layers
 postlens lens psf "$out/psf.exr" --focal-length 50 --f-number 8 --focus 1.5 --depth 2 --impulse diffraction --size 33

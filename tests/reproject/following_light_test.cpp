@@ -164,38 +164,6 @@ TEST(FollowingLight, IsNotBright) {
     }
 }
 
-TEST(SeenLight, IsTheSumThatItSays) {
-    std::mt19937 random(5);
-    std::uniform_real_distribution<float> value(0, 3);
-    std::vector<Texel> texels(300);
-    for (Texel& t : texels)
-        t = {value(random), value(random), value(random), static_cast<std::uint32_t>(random())};
-    SeenTile seen;
-    for (std::uint32_t& t : seen.texel) t = random() % 5 == 0 ? SeenTile::no_texel : random() % 300;
-    LightSums sums{}, expected{};
-    constexpr int across = 61, down = 33;
-    std::vector<std::uint16_t> with_children;
-    for (const double weight : {1.0, 0.3}) {
-        PixelList listed;
-        add_seen_light(texels, seen, across, down, weight, sums, listed);
-        with_children.clear();
-        for (int y = 0; y < down; ++y) {
-            for (int x = 0; x < across; ++x) {
-                const auto k = static_cast<std::size_t>(y * SeenTile::edge + x);
-                if (seen.texel[k] == SeenTile::no_texel) continue;
-                const Texel& t = texels[seen.texel[k]];
-                expected[k][0] += weight * static_cast<double>(t.r);
-                expected[k][1] += weight * static_cast<double>(t.g);
-                expected[k][2] += weight * static_cast<double>(t.b);
-                expected[k][3] += weight;
-                if (t.children() != 0) with_children.push_back(static_cast<std::uint16_t>(k));
-            }
-        }
-        EXPECT_TRUE(std::equal(listed.begin(), listed.end(), with_children.begin(), with_children.end()));
-    }
-    EXPECT_EQ(sums, expected);
-}
-
 TEST(PixelBlocks, HaveWhatAnyOfTheirPixelsHas) {
     std::mt19937 random(7);
     std::uniform_real_distribution<float> place(-20, 84);

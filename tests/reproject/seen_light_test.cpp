@@ -2,6 +2,7 @@
 #include "reproject/patches/seen_light.h"
 
 #include <gtest/gtest.h>
+#include <limits>
 #include <memory>
 #include <random>
 #include <vector>
@@ -31,14 +32,48 @@ struct RandomView {
 
 }  // namespace
 
+TEST(SeenLight, IsTheSumThatItSays) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> value(0, 3);
+    std::vector<Texel> texels(300);
+    for (Texel& t : texels)
+        t = {value(random), value(random), value(random), static_cast<std::uint32_t>(random())};
+    SeenTile seen;
+    for (std::uint32_t& t : seen.texel) t = random() % 5 == 0 ? SeenTile::no_texel : random() % 300;
+    LightSums sums{}, expected{};
+    constexpr int across = 61, down = 33;
+    std::vector<std::uint16_t> with_children;
+    for (const double weight : {1.0, 0.3}) {
+        PixelList listed;
+        add_seen_light(texels, seen, across, down, weight, sums, listed);
+        with_children.clear();
+        for (int y = 0; y < down; ++y) {
+            for (int x = 0; x < across; ++x) {
+                const auto k = static_cast<std::size_t>(y * SeenTile::edge + x);
+                if (seen.texel[k] == SeenTile::no_texel) continue;
+                const Texel& t = texels[seen.texel[k]];
+                expected[k][0] += weight * static_cast<double>(t.r);
+                expected[k][1] += weight * static_cast<double>(t.g);
+                expected[k][2] += weight * static_cast<double>(t.b);
+                expected[k][3] += weight;
+                if (t.children() != 0) with_children.push_back(static_cast<std::uint16_t>(k));
+            }
+        }
+        EXPECT_TRUE(std::equal(listed.begin(), listed.end(), with_children.begin(), with_children.end()));
+    }
+    EXPECT_EQ(sums, expected);
+}
+
 TEST(SeenLight, ListsPixelsInDoubt) {
-    const RandomView view;
-    const SeenTile& seen = *view.seen;
+    RandomView view;
+    SeenTile& seen = *view.seen;
+    seen.inverse_z[0] = seen.maybe_inverse_z[0];
+    seen.inverse_z[1] = std::numeric_limits<float>::quiet_NaN();
     for (const int width : {1, 15, 16, 17, SeenTile::edge}) {
         for (const std::uint32_t doubts :
              {0U, Texel::unsure_bit, Texel::unsure_below_bit | Texel::children_bits}) {
             std::vector<std::uint16_t> expected;
-            const int height = SeenTile::edge - width / 2;
+            const int height = width == SeenTile::edge ? width : width + 3;
             for (int y = 0; y < height; ++y) {
                 for (int x = 0; x < width; ++x) {
                     const auto k = static_cast<std::size_t>(y * SeenTile::edge + x);
@@ -55,29 +90,13 @@ TEST(SeenLight, ListsPixelsInDoubt) {
     }
 }
 
-TEST(SeenLight, AddsTheColoursOfAView) {
-    const RandomView view;
-    const auto sums = std::make_unique<LightSums>(), expected = std::make_unique<LightSums>();
-    constexpr int width = 37, height = 50;
-    PixelList with_children;
-    std::vector<std::uint16_t> parents;
-    for (const double weight : {1.0, 0.3}) {
-        parents.clear();
-        for (int y = 0; y < height; ++y) {
-            for (int x = 0; x < width; ++x) {
-                const auto k = static_cast<std::size_t>(y * SeenTile::edge + x);
-                if (view.seen->texel[k] == SeenTile::no_texel) continue;
-                const Texel& t = view.texels[view.seen->texel[k]];
-                const std::array<float, 4> light{t.r, t.g, t.b, 1};
-                for (std::size_t c = 0; c < 4; ++c)
-                    (*expected)[k][c] += weight * static_cast<double>(light[c]);
-                if (t.children() != 0) parents.push_back(static_cast<std::uint16_t>(k));
-            }
-        }
-        add_seen_light(view.texels, *view.seen, width, height, weight, *sums, with_children);
-    }
-    EXPECT_EQ(*sums, *expected);
-    EXPECT_EQ(std::vector(with_children.begin(), with_children.end()), parents);
+TEST(SeenLight, ListsAllPixelsOfAnEmptyTile) {
+    const auto seen = std::make_unique<SeenTile>();
+    seen->clear();
+    PixelList found;
+    find_doubtful_pixels({}, *seen, SeenTile::edge, SeenTile::edge, Texel::unsure_bit, found);
+    ASSERT_EQ(found.count, SeenTile::pixels);
+    for (std::size_t k = 0; k < SeenTile::pixels; ++k) EXPECT_EQ(found.pixels[k], k);
 }
 
 }  // namespace postlens::test::seen_light_test
