@@ -42,8 +42,9 @@ struct CommandResult {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< without seconds and warnings
     std::string text;  ///< human-readable; may have several lines
     std::vector<Warning> warnings;
-    /// The image made by the command. Empty if the image was written to a file. `render --halves` adds two
-    /// images, each made from half of the samples.
+    /// The image that the command made. It is empty if the image was written to a file. With `render
+    /// --halves`, two more images follow, each of which was made from half of the samples. Their difference
+    /// shows the noise.
     std::vector<Image> pictures;
     /// Fraction of each pixel's colour that comes from traced rays, from 0 to 1. Set only by `focus` and
     /// `shoot` if they trace rays.
@@ -113,8 +114,9 @@ struct ForeignOptions {
     ObjectEffects objects;
     std::optional<ObjectChoice> matte;  ///< object that the lens blurs; if absent, the whole image is blurred
     FocusPasses passes;
-    /// Returns pointers to the names of the files with background images and object masks. The caller
-    /// replaces the placeholder for the frame number, such as %04d, in these names.
+    /// Returns pointers to the names of the files with background images and object masks. With --frames, a
+    /// name may contain a placeholder for the frame number, such as %04d. Through the pointers, the caller
+    /// replaces the placeholder by the number of the frame.
     [[nodiscard]] std::vector<std::string*> files();
     /// Returns true if a pixel may have several samples at different depths, which must be composited.
     [[nodiscard]] bool stacks() const {
@@ -156,8 +158,9 @@ struct MergeOptions {
     std::vector<std::string> parts;
     std::string output;
     bool partial = false;
-    /// Runs the command line `words`. Several machines may have divided a command (--share). `merge` then
-    /// runs the command once more, to join the machines' result files instead of computing.
+    /// Runs the command line `words`. `merge` needs this if several machines divided the items of a command
+    /// (--share), for example the images of `sweep`. It then runs the same command once more. In this run,
+    /// `join` states that the machines' result files are joined and nothing is computed.
     std::function<CommandResult(std::vector<std::string> words, Join join)> run_words;
 };
 
@@ -172,8 +175,8 @@ struct ImageOptions {
 
 struct ShootOptions {
     FocusOptions focus;  ///< only methods lightfield, hybrid and auto
-    /// Times, in seconds, at which the shutter opens and closes. By default, it opens at the frame's instant,
-    /// for the exposure time stored in the sample file.
+    /// Times, in seconds, at which the shutter opens and closes. If they are not given, the shutter opens at
+    /// the instant of the frame, and stays open for the exposure time that is stored in the sample file.
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
@@ -198,8 +201,8 @@ struct MotionBlurOptions {
     std::optional<SharedWork> shared;
     std::string input, output, made_by;
     std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
-    /// Times, in seconds, at which the shutter opens and closes. By default, it opens at the frame's instant,
-    /// for the exposure time stored in the sample file.
+    /// Times, in seconds, at which the shutter opens and closes. If they are not given, the shutter opens at
+    /// the instant of the frame, and stays open for the exposure time that is stored in the sample file.
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
@@ -240,8 +243,8 @@ struct CompareCommandOptions {
     /// `map_causes` is an output image that shows the cause of each pixel's error. `frame` is the sample file
     /// from which the tested image was made.
     std::optional<std::string> map_causes, frame;
-    /// The scene from which the sample file `frame` was traced. Rays traced in the scene help to find the
-    /// causes of the tested image's errors.
+    /// Names the scene from which the sample file `frame` was traced. If it is given, rays are traced in this
+    /// scene, because they help to find the causes of the tested image's errors.
     RetraceOptions retrace;
     ExposureOption exposure;  ///< if absent, the exposure of the reference
     LensOptions lens;         ///< lens with which the image was made, for the map of error causes
@@ -275,8 +278,9 @@ void refuse_foreign_options(const ForeignOptions& options, const std::string& in
 [[nodiscard]] inline Damage damage_rule(bool salvage) {
     return salvage ? Damage::salvage : Damage::refuse;
 }
-/// Returns the open sample file `input`. This is `kept`, which an earlier command opened, unless it is null.
-/// Colours are read at the given exposure.
+/// Opens the sample file `input` and returns it. Colours are read at the given exposure, in stops. If `kept`
+/// is not null, it holds this file as an earlier command opened it, and is used instead of opening the file
+/// once more.
 [[nodiscard]] std::shared_ptr<OpenFrame> open_frame(const std::string& input,
                                                     const std::shared_ptr<KeptFrame>& kept,
                                                     const std::optional<double>& exposure_stops,
@@ -316,14 +320,16 @@ void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vect
 void check_sufficient(const SampleHeader& header, const ThinLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
-/// Makes an image by the method hybrid, which reprojects the samples of the sample file. If `retrace` has a
-/// scene, rays fill in what the file does not contain. Throws if the scene refers to the file `picture`, the
-/// path of the output image.
+/// Makes an image by the method hybrid: reprojects the samples of the sample file to many lens points, and
+/// averages the resulting views. If `retrace` names a scene, rays into this scene supply what the file does
+/// not contain. `picture` is the path of the output image. Throws if the scene refers to this file, because
+/// writing the image would overwrite it.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
                                       const RetraceOptions& retrace, const std::string& picture,
                                       CommandResult& out);
-/// Returns JSON about an image of the method hybrid (records and additional rays), as the commands `focus`
-/// and `shoot` report it. It has, for example, the number of rays.
+/// Returns the JSON with which the commands `focus` and `shoot` describe an image of the method hybrid. Such
+/// an image is made from the sample file's records and from additional rays. The JSON contains, for example,
+/// the number of these rays.
 [[nodiscard]] nlohmann::ordered_json shares_json(const HybridResult& result);
 
 /// Returns the shutter curve "box" or "triangle", or else reads the file of this name. Throws

@@ -84,8 +84,9 @@ int main(int argc, char** argv) {
     // may arrive after main() has returned.
     static postlens::Job process({.threads = 1});
     postlens::cancel_on_signals(process);
-    // A failed write can send these signals, which end the program without a message. If they are ignored,
-    // the write returns an error, which is printed.
+    // SIGXFSZ and SIGPIPE are sent to the program when it writes to a file that becomes too large or to a
+    // closed pipe. By default, they end the program without a message. Here, they are ignored, so that the
+    // write returns an error instead, which is printed.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
     int requeue_code = static_cast<int>(ExitCode::interrupted);

@@ -25,11 +25,13 @@ struct OpenFrame {
 class KeptFrame {
   public:
     KeptFrame(std::string path, Damage damage) : path_(std::move(path)), damage_(damage) {}
-    /// Waits for the lock that the caller must hold while it uses the file. Empty if `kept` is null. Throws
+    /// Locks `kept`, an open sample file, and returns the lock. The caller must hold the lock while it uses
+    /// the file. Waits if another caller holds it. If `kept` is null, the returned lock is empty. Throws
     /// Error(interrupted) if the current job is cancelled.
     [[nodiscard]] static std::unique_lock<std::timed_mutex> lock(const std::shared_ptr<KeptFrame>& kept);
-    /// Returns the file with its radiance scaled by the given exposure. Opens the file again if the exposure
-    /// has changed.
+    /// Returns the open sample file, with its radiance scaled by the given exposure, in stops. The radiance
+    /// is scaled while the file is read. So if the exposure is not that of the last call, the file is opened
+    /// and read again.
     [[nodiscard]] std::shared_ptr<OpenFrame> at(std::optional<double> exposure_stops);
 
   private:

@@ -14,8 +14,9 @@ namespace postlens {
 /// (core/job.h). Adds the running time in `seconds` to the JSON.
 [[nodiscard]] CommandResult run_timed(const ParsedCommand& command);
 
-/// Parses the arguments after the name of the program, and runs the command (run_timed). Waits while another
-/// call uses the same open sample file, `in_process.kept`.
+/// Parses `words`, the arguments after the name of the program, and runs the command (run_timed).
+/// `in_process.kept` is a sample file that stays open between calls. Only one call at a time can use it, so
+/// this function first waits until other calls no longer use it.
 [[nodiscard]] CommandResult run_command(std::vector<std::string> words, const InProcess& in_process);
 
 /// Returns the JSON text that `--json` prints: the result, the peak memory of the process, and the warnings.

@@ -17,8 +17,8 @@ namespace postlens {
                                           CommandResult& out);
 
 /// Reads the scene from which the sample file `file` was traced, at the exposure of this file. Throws
-/// Error(wrong_arguments) if a given unit differs from that of the file, and the errors of
-/// read_scene_of_command.
+/// Error(wrong_arguments) if the user states metres per unit or lumens per watt and the value differs from
+/// that in the file. Also throws the errors of read_scene_of_command.
 [[nodiscard]] Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                                        const std::optional<double>& lumens_per_watt,
                                        const SampleFileReader& file,

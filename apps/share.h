@@ -1,5 +1,6 @@
-// Divides the work of a command between several machines, each of which computes one share. `merge`
-// recognises a share's file by its mark (JSON that describes share and command).
+// Functions for dividing the work of a command between several machines. Each machine computes one share of
+// the work and writes a result file. This file contains a mark, i.e. JSON that describes the share and the
+// command. By this mark, `merge` recognises the files that belong together.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +26,9 @@ inline constexpr int most_shares = 100000;
 /// which names the option.
 [[nodiscard]] Share parse_share(std::string_view option, std::string_view text);
 
-/// Returns the rows that form a share of an image or crop. The numbers of rows of two shares differ by at
-/// most one. Throws Error(wrong_arguments) if there are more shares than rows.
+/// Returns the rows of the image that form a share of the work. They are a part of `crop`, or of the whole
+/// image of size `width` x `height` if there is no crop. All shares have equally many rows, or differ by one
+/// row. Throws Error(wrong_arguments) if there are more shares than rows.
 [[nodiscard]] Crop rows_of_share(const Share& share, const std::optional<Crop>& crop, int width, int height);
 
 /// The options and input files that determine the result of a command.
@@ -43,33 +45,37 @@ struct AskedFor {
         bool scene = false;   ///< `path` is a scene; the files that it refers to are inputs as well
     };
     std::vector<Input> inputs;
-    /// Returns JSON that identifies the result: the version of postlens, the options, and the SHA-256 of each
-    /// input file. Throws Error(invalid_input) if a file cannot be read.
+    /// Returns the fingerprint of the command, JSON that identifies the result. It contains the version of
+    /// postlens, the options, and the SHA-256 of each input file. Two results with equal fingerprints are
+    /// equal. Throws Error(invalid_input) if an input file cannot be read.
     [[nodiscard]] nlohmann::ordered_json fingerprint(
         const std::function<std::string(const Input&)>& file_of = {}) const;
 };
 
-/// Stores the hash of a scene that was already read. AskedFor::fingerprint, which contains the hash of each
-/// input file of a command, then need not read the scene again.
+/// Stores the SHA-256 hash of the scene at `path`, which was already read. The fingerprint of a command
+/// (AskedFor::fingerprint) contains the hashes of all its input files. With the stored hash, it need not read
+/// the scene once more.
 void remember_digest(const std::string& path, const Scene& scene);
 
-/// Returns JSON that is stored in a result file if several machines divide a command (--share). It contains
-/// this machine's share, the crop of the whole image, and the command's fingerprint. By this mark, `merge`
-/// recognises the file.
+/// Returns the mark of a result file, if several machines divide a command (--share). The mark is JSON that
+/// is stored in this file. It contains this machine's share, the crop of the whole image, and the command's
+/// fingerprint. By the mark, `merge` recognises the file and the command to which it belongs.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
 
-/// Returns the share of the work (I of N) whose result a file contains. `mark` is JSON from this file
-/// (mark_of). Returns nothing if `mark` is invalid.
+/// Returns the share (I of N) of the work whose result a file contains. `mark` is the JSON that mark_of
+/// returned and that is stored in this file. Returns nothing if `mark` is invalid, for example because the
+/// file is damaged.
 [[nodiscard]] std::optional<Share> share_of_mark(const std::string& mark);
 
-/// Like mark_of, if several machines divide the images of a sweep or the points of a chart. The returned JSON
-/// also contains the command-line arguments `words`. With these, `merge` runs the command again to join the
-/// results.
+/// Returns JSON that is stored in a result file if several machines divide the images of a sweep or the
+/// points of a chart. By this mark, `merge` recognises the file. The mark contains this machine's share, the
+/// command's fingerprint (mark_of) and the command-line arguments `words`. With these arguments, `merge` runs
+/// the command again to join the results.
 [[nodiscard]] std::string mark_of_items(const Share& share, const AskedFor& asked,
                                         const std::vector<std::string>& words);
-/// Returns the command-line arguments that mark_of_items stored in the JSON `mark`. Returns nothing if there
-/// are none or they are damaged. In `mark`, % and bytes that are not ASCII are written as %XX, because JSON
-/// must be UTF-8.
+/// Returns the command-line arguments that mark_of_items stored in `mark`. JSON must be UTF-8, but arguments
+/// may contain any bytes. Therefore, `mark` contains % and all bytes that are not ASCII as %XX, and this
+/// function converts them back. Returns nothing if `mark` contains no arguments or if they are damaged.
 [[nodiscard]] std::vector<std::string> words_of_mark(const nlohmann::ordered_json& mark);
 
 /// If several machines divide the rows of an image, sets `crop` to the rows of this machine. Also sets

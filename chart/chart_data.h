@@ -31,8 +31,9 @@ struct ChartFigures {
     double relmse = 0, ssim = 0, flip = 0;
 };
 
-/// A sample file, and the time in seconds that it took to trace. Methods make images from this file, and a
-/// chart compares their errors and times.
+/// A sample file that was traced for a chart. The chart compares methods, which make their images from such
+/// files. Therefore, the time of tracing the file, in seconds, is a part of the cost of these images, and is
+/// measured too.
 struct ChartTrace {
     std::string name;
     std::vector<double> seconds;  ///< one value per round
@@ -57,8 +58,9 @@ struct ChartPoint {
 
     [[nodiscard]] bool is_rays() const { return trace.empty(); }
     [[nodiscard]] double median_s() const;
-    /// Returns the mean time per image, in s, if `pictures` images (may be infinite) use the sample file
-    /// `from`. Includes the time of tracing this file, unless it is null.
+    /// Returns the mean time per image, in s, if `pictures` images are made from one sample file, `from`. The
+    /// time of tracing this file is divided among the images. It is not included if `from` is null.
+    /// `pictures` may be infinite, and then the time of tracing does not count.
     [[nodiscard]] double seconds_each(const ChartTrace* from, double pictures) const;
 };
 

@@ -50,8 +50,8 @@ void add_focus(const ChartRequest& request, Points& out) {
         for (const int m : request.views)
             out.add(Kind::focus, "lightfield", "M", m, trace, FocusMethod::lightfield);
     }
-    // For the method hybrid, a sample file with few samples suffices. The method itself traces rays where
-    // data is missing in the file.
+    // Adds the method hybrid, with each number of views. It uses the sample file with the fewest samples,
+    // because that file suffices: where data are missing in the file, the method itself traces rays.
     for (const int m : request.views)
         out.add(Kind::focus, "hybrid", "M", m, coarse_records, FocusMethod::hybrid);
 }

@@ -24,8 +24,9 @@ struct ChartView {
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
-    /// Returns the f-number for tracing a sample file, which is film distance / lens diameter. The f-number
-    /// in `lens` is focal length / lens diameter.
+    /// Returns the f-number for which a sample file must be traced for this lens. The definitions differ: the
+    /// sample file's f-number is film distance / lens diameter, but the f-number in `lens` is focal length /
+    /// lens diameter. So the value is converted.
     [[nodiscard]] double traced_f_number() const;
 };
 
@@ -49,8 +50,9 @@ struct ChartPlan {
     std::vector<PlannedPoint> points;
 };
 
-/// Returns lens, shutter and camera of a chart. Throws Error(wrong_arguments) if the lens is not defined, or
-/// if nothing blurs (infinite f-number and no shutter).
+/// Returns the lens, the shutter and the camera for which a chart compares the errors and times of several
+/// methods. Throws Error(wrong_arguments) if the lens is not defined. Also throws it if nothing would be
+/// blurred, that is, if the f-number is infinite and there is no shutter.
 [[nodiscard]] ChartView chart_view(const ChartRequest& request, const Scene& scene);
 
 /// Returns settings for a sample file that contains every surface visible from the lens while the shutter is
@@ -59,8 +61,9 @@ struct ChartPlan {
 
 [[nodiscard]] ChartPlan chart_plan(const ChartRequest& request, const ChartView& view);
 
-/// Returns settings for making a reference by distributed ray tracing, with the given scene, lens and
-/// shutter. The caller must set the samples per pixel (`spp`), the seed and `halves`.
+/// Returns settings with which `render` makes the reference of a chart by distributed ray tracing. They
+/// contain the scene, camera, lens and shutter of `request` and `view`. The caller must add the number of
+/// samples per pixel (`spp`), the seed and `halves`.
 [[nodiscard]] RenderSettings render_settings(const ChartRequest& request, const ChartView& view);
 
 }  // namespace postlens

@@ -67,9 +67,9 @@ Scene exposed_scene(const ChartRequest& r) {
     return scene;
 }
 
-/// Returns the points (methods with settings) to measure, and the sample files that they need. If N machines
-/// divide the work, each measures every N-th point. The first sample file is always included, because the
-/// pinhole image is made from it.
+/// Returns the points of the chart that this machine measures, and the sample files from which their images
+/// are made. A point is a method with its settings. If N machines divide the work, each measures every N-th
+/// point. The first sample file is always included, because the pinhole image is made from it.
 ChartPlan plan_of(const ChartRequest& r, const ChartView& view) {
     ChartPlan all = chart_plan(r, view);
     if (!r.share) return all;
@@ -144,8 +144,10 @@ class Runner {
                 other_machine_ = take_over_chart(path, key, path == chart_path(), data_) || other_machine_;
             for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
         }
-        // If several runs divide the measurements, they may all write to this folder. So a run must not
-        // remove images of another run.
+        // Removes the images of an earlier chart that would no longer fit. If `data_.key` is empty, no
+        // measurements of an earlier chart are continued. But if several machines divide the measurements,
+        // they may all write to this folder, so an image in it may come from another run. Therefore, images
+        // are removed only if the measurements are not divided (no share and no join).
         if (data_.key.empty() && !request_.share && request_.join == Join::no) {
             std::error_code none;
             for (const char* name : own_pictures) fs::remove(folder_ / name, none);
@@ -216,8 +218,9 @@ class Runner {
         save();
     }
 
-    // Returns the path of a sample file. Traces the file again if an earlier run measured its tracing time
-    // but then removed it.
+    // Returns the path of the sample file `name`. An earlier run may have measured the time of tracing this
+    // file, and then, when it finished, removed the file. In this case, the file is traced again, because the
+    // caller needs its records.
     fs::path frame(const std::string& name) {
         fs::path path = frame_path(name);
         for (std::size_t t = 0; t < data_.traces.size(); ++t) {
@@ -291,8 +294,9 @@ class Runner {
         Image image;
         std::vector<std::string> warnings;
         double retraced = 0;
-        // Measures the time from opening the sample file to the finished image in memory. For ray tracing,
-        // the scene is already in memory.
+        // `seconds` is the time from opening the sample file to the finished image in memory. A method that
+        // traces rays also needs the scene. Reading the scene is not part of this time, because the scene is
+        // already in memory.
         const double seconds = seconds_of([&] { image = pictures_.picture(p, path, retraced, warnings); });
         if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
         if (!p.trace.empty() && p.kind != PlannedPoint::Kind::motionblur && p.focus != FocusMethod::pinhole &&
@@ -309,8 +313,9 @@ class Runner {
         save();
     }
 
-    // Measures the time of the first and of a further image from one sample file, as in a sweep. The
-    // f-numbers of the two images differ by 1/6 stop, because images of a sweep have different lenses too.
+    // Measures the time of the first image and of a further image from one open sample file, because a
+    // further image takes less time. This is as in a sweep, where many images with different lenses are made
+    // from one file. Therefore, the f-numbers of the two images differ too, by 1/6 stop.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

@@ -12,23 +12,24 @@
 
 namespace postlens {
 
-/// Returns a text that identifies the measurements of the command `chart`: all that determines them. A run
-/// uses only earlier measurements with equal text. How often and for which methods it measures is not
-/// included.
+/// Returns a text (key) that describes everything on which the measurements of the command `chart` depend. A
+/// run uses earlier measurements only if their key is equal to its own. The list of methods and the number of
+/// repetitions are not part of the key, because they do not change the measurement of a method.
 [[nodiscard]] std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& scene);
 
-/// Returns the files with earlier measurements, which a new run of the command `chart` does not repeat. If
-/// the run measures all points (methods with settings), this includes the files *.I-of-N.json in `folder`,
-/// which several machines wrote. `chart`, the run's own file, comes last if it exists.
+/// Returns the files that contain earlier measurements of the command `chart`, so that a new run need not
+/// repeat them. If the run measures all points (methods with settings), these include the files *.I-of-N.json
+/// in `folder`, each of which one of N machines wrote. The last one is `chart`, the file of the run itself,
+/// if it exists.
 [[nodiscard]] std::vector<std::filesystem::path> earlier_charts(const ChartRequest& request,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& chart);
 
-/// Reads the file `path` of an earlier run of the command `chart`, and adds its measurements to `data`.
-/// Returns true if another machine made them.
-/// - `key`: chart_key of this run. A file with another key is ignored
-/// - `own`: true if the file is this run's own output file. If this file has another key, throws
-///   Error(wrong_arguments)
+/// Adds the measurements in the file `path`, which an earlier run of the command `chart` wrote, to `data`.
+/// Returns true if they were made on another machine.
+/// - `key`: chart_key of this run. A file with another key contains other measurements and is ignored
+/// - `own`: true if the file is this run's own output file. In this case, another key is an error, because
+///   the file would be overwritten: throws Error(wrong_arguments)
 [[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key, bool own,
                                    ChartData& data);
 

@@ -9,8 +9,9 @@ namespace postlens {
 /// Throws Error(invalid_input) if `gnuplot` cannot be run. Called before long measurements.
 void check_gnuplot();
 
-/// Draws `base`.svg and `base`.png from a plot script, and saves it as `base`.gp. @TERMINAL@ and @OUTPUT@
-/// stand for gnuplot's terminal and output file.
+/// Draws a plot with gnuplot: runs the plot script, and writes the plot to `base`.svg and `base`.png. Also
+/// saves the script as `base`.gp. In the script, @TERMINAL@ and @OUTPUT@ are placeholders for gnuplot's
+/// terminal (the file format) and output file.
 ///
 /// Throws Error(cannot_write) with gnuplot's first error message.
 void draw_with_gnuplot(const std::string& script, const std::filesystem::path& base, int width_px,

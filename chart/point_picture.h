@@ -20,12 +20,13 @@ class PointPictures {
     PointPictures(const ChartRequest& request, const Scene& scene, const ChartView& view)
         : request_(request), scene_(scene), view_(view) {}
 
-    /// Makes the image with the method and settings in `p`. The method "rays" does not read the sample file
-    /// `path`. Sets `retraced` to the fraction of samples that were traced again.
+    /// Makes the image of the point `p`, i.e. with its method and settings, from the sample file `path`. The
+    /// method "rays" traces the scene and does not read this file. Sets `retraced` to the fraction of the
+    /// image's samples for which rays were traced in addition to the file.
     [[nodiscard]] Image picture(const PlannedPoint& p, const std::filesystem::path& path, double& retraced,
                                 std::vector<std::string>& warnings) const;
-    /// Makes the image with `p`'s method and settings from the open sample file `frame`, for the given lens.
-    /// Sets `retraced` as `picture` does.
+    /// Makes an image of the open sample file `frame` for the given lens, with the method and settings in
+    /// `p`. Sets `retraced` to the fraction of samples that were traced again by additional rays.
     [[nodiscard]] Image focused(const PlannedPoint& p, FocusFrame& frame, const ThinLens& lens,
                                 double& retraced, std::vector<std::string>& warnings) const;
 

@@ -53,9 +53,9 @@ struct Comparison {
     std::optional<double> affected_share;
     std::optional<Figures> affected;
     std::optional<PixelErrors> pinhole, pinhole_affected;  ///< errors of the pinhole image
-    // Set only if there are two reference images, which are compared to measure their noise. If the tested
-    // image equals one of them, `image_is_a_reference` is true. If the references are equal,
-    // `references_are_equal` is true, and the noise cannot be measured.
+    // These values are set only if there are two references, from whose difference the noise is measured.
+    // `image_is_a_reference` is true if the tested image equals one of them. `references_are_equal` is true
+    // if the references are equal, and then the noise cannot be measured.
     bool image_is_a_reference = false, references_are_equal = false;
     std::optional<NoiseFloor> noise, affected_noise;
 

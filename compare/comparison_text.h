@@ -9,8 +9,9 @@
 
 namespace postlens {
 
-/// Returns a table of errors with a heading, first over the whole frame. With a pinhole image, further rows
-/// contain errors over the pixels where the reference differs from it.
+/// Returns a table with the errors of the tested image, below a heading. The first rows contain the errors
+/// over the whole frame. If the comparison has a pinhole image, further rows contain the errors over only
+/// those pixels in which the reference differs from it, i.e. which are blurred.
 [[nodiscard]] TextTable figures_table(const Comparison& comparison);
 
 /// Returns sentences to print below the table of errors. They state the noise of the reference and the

@@ -12,35 +12,40 @@
 namespace postlens {
 namespace {
 
-/// Two fits compare images by logarithmic brightness. In each fit, differences above one of these limits
-/// count linearly, not quadratically (Huber loss). The second limit is the noise of an image with 256 samples
-/// per pixel.
+/// A lens is fitted to a given image in two steps, a rough and a final one. Both compare the logarithmic
+/// brightness of the pixels of a computed image and of the given image. Differences above a limit count
+/// linearly instead of quadratically (Huber loss). These are the limits of the first and of the last step.
+/// The second is the noise of an image with 256 samples per pixel.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
-/// Step by which the inverse focus distance is changed to compute derivatives numerically, as a fraction of
-/// the scene's range of inverse depths.
+/// The fit computes the image's derivative with respect to the inverse focus distance (1 / distance)
+/// numerically: it makes images with a slightly larger and a slightly smaller value. This constant is the
+/// change, as a fraction of the scene's range of inverse depths.
 constexpr double focus_step = 0.03;
 /// The standard errors of the fitted lens are estimated from blocks of pixels of this width and height, in
 /// px. Residuals of the fit may be correlated within a block, but are assumed to be independent between
 /// blocks.
 constexpr std::size_t block_px = 16;
-/// Smallest accepted contrast of an image, the RMS difference between its tones and their median. An almost
-/// uniform image does not show how much it is blurred.
+/// Smallest contrast of a given image with which a lens is fitted. The contrast is the RMS difference between
+/// the image's tones (logarithmic brightness) and their median. An image with less contrast is almost
+/// uniform, so it does not show how much it is blurred.
 constexpr double least_spread = 1e-3;
 /// The fit is rejected if the best lens's error, divided by the given image's contrast, exceeds this value.
 /// Usually this ratio is about 0.1. It is almost 1 if the given image shows the scene from another viewpoint.
 constexpr double most_left = 0.5;
-/// The given image is rejected as unblurred if the best lens reproduces it hardly better than the sharp
-/// pinhole image does. The ratio of the two errors may be at most this value.
+/// Largest accepted ratio of two errors: that of the image of the best lens, and that of the pinhole image,
+/// which is sharp. If the ratio is larger, the best lens reproduces the given image hardly better than the
+/// pinhole does. Therefore, the given image is rejected as unblurred.
 constexpr double least_gain = 0.8;
 /// The fit is rejected if the scene's range of inverse depths is below this fraction of the largest inverse
 /// depth. All objects then have practically the same depth.
 constexpr double least_span = 0.01;
-/// The fitted lens is rejected if the aperture diameter's standard error exceeds this fraction of the
-/// diameter. It is also rejected if the inverse focus distance's standard error exceeds this fraction of the
-/// scene's range of inverse depths.
+/// Largest standard errors with which a fitted lens is accepted. The standard error of the aperture's
+/// diameter is compared with the fraction `most_error` of the diameter. That of the inverse focus distance is
+/// compared with the fraction `most_error` of the scene's range of inverse depths. A lens that exceeds either
+/// limit is rejected.
 constexpr double most_error = 0.2;
-/// The fit may find several lenses. Those with an error below this factor times the smallest error are
-/// reported as well.
+/// The fit may find several lenses that reproduce the given image almost equally well. A lens is reported in
+/// addition to the best lens if its error is less than this factor times the error of the best lens.
 constexpr double nearly_as_good = 1.25;
 
 struct View {
@@ -95,8 +100,9 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 10;
-    // Stops the solver after a step that lowers the error by less than the fraction `tolerance`. At 1e-4, a
-    // further step would change the lens by far less than 0.1 %.
+    // Sets when the solver stops: after a step that reduces the error by less than the fraction `tolerance`
+    // of it. In the last descent, `tolerance` is 1e-4. A further step would then change the lens by far less
+    // than 0.1 %.
     options.function_tolerance = tolerance;
     // Stops the solver if a full step does not lower the error. Smaller steps would not help, because the
     // computed image changes in discrete steps.
@@ -183,8 +189,9 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
         cov += a * b;
     }
     const double error_a = std::sqrt(var_a), error_b = std::sqrt(var_b);
-    // If the determinant of the fit's normal matrix is small, aperture and focus distance change the image
-    // alike. So the image does not determine them separately.
+    // Rejects the fit if the image does not determine the lens. If the determinant of the fit's normal matrix
+    // is small, a change of the aperture and a change of the focus distance have the same effect on the
+    // image. So the two cannot be determined separately, for example because all objects have the same depth.
     if (!(determinant > 1e-4 * aa * bb) || !(error_a < most_error) ||
         !(error_b < most_error * view.span_per_m)) {
         refuse_one_depth();
@@ -194,9 +201,10 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
     out.correlation = var_a > 0 && var_b > 0 ? cov / (error_a * error_b) : -ab / std::sqrt(aa * bb);
 }
 
-/// Fits a lens in two descents: the first starts at the lens `from`, and the second at the result of the
-/// first. Each descent ignores pixels where the starting lens blurs across a depth edge or the border of the
-/// recorded pixels (reliable_pixels).
+/// Fits a lens to the given image by two descents (minimisations). The first starts at the lens `from`, and
+/// the second at the first one's result. A descent compares only reliable pixels. It ignores pixels whose
+/// blur, with the lens at which it starts, crosses a depth edge or the border of the recorded pixels
+/// (reliable_pixels).
 Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& from) {
     residuals.use(reliable_pixels(view.depths, view.geometry(from)));
     const Descent rough = descend(residuals, view, from, first_linear_from, 1e-2);
@@ -204,16 +212,18 @@ Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& f
     return descend(residuals, view, rough.place, last_linear_from, 1e-4);
 }
 
-/// Returns true if two lenses are so similar that both were found because of one minimum of the image error.
-/// The coarse search can split such a minimum.
+/// Returns true if the lenses `a` and `b` are so similar that they count as one. The image error then has
+/// only one minimum for both. Such pairs occur because the coarse search may find several lenses near one
+/// minimum.
 bool alike(const LensPlace& a, const LensPlace& b, double span_per_m) {
     return std::abs(std::log(a.aperture_mm / b.aperture_mm)) < 0.3 &&
            std::abs(a.inverse_focus_per_m - b.inverse_focus_per_m) < 0.1 * span_per_m;
 }
 
-/// Selects at most `most` of the lenses in `matches` as starting points for the fit. Omits a lens if a
-/// similar one has a smaller error. Then computes the error of each lens's accurate image, sorts by it, and
-/// omits lenses above 1.5 times the smallest.
+/// Selects at most `most` lenses as starting points for the fit. `matches` are the lenses that a rough search
+/// found, sorted by their rough errors. If two of them are similar, only the one with the smaller error is
+/// used. Then an accurate image is made for each selected lens. The lenses are sorted by the error of this
+/// image, and lenses with more than 1.5 times the smallest error are omitted.
 std::vector<RoughMatch> sifted(PictureResiduals& residuals, const View& view,
                                const std::vector<RoughMatch>& matches, int most) {
     std::vector<RoughMatch> out;
@@ -261,8 +271,9 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
         sifted(residuals, view, blur_search(pinhole, picture, view.depths, file.header()), settings.starts);
     if (starts.front().error > least_gain * spread) refuse_other_view(starts.front().error, spread);
 
-    // If the image has lens blur, even a roughly fitted lens has a smaller error than the sharp pinhole
-    // image.
+    // Refuses a given image without lens blur. `sharp_error` is the error of the pinhole image, which is
+    // sharp. If the given image has lens blur, even a roughly fitted lens reproduces it better than the
+    // pinhole does. So if its error is not smaller, the image has no lens blur.
     if (starts.front().error > sharp_error) refuse_no_blur(starts.front().error, sharp_error);
 
     std::vector<LensFromPicture> found;
@@ -285,8 +296,10 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // The errors of the fitted lenses come from different sets of pixels. To be comparable, each is divided
-    // by `spread`, the given image's contrast in the same pixels.
+    // Sorts the fitted lenses by their errors relative to the given image. Each lens was compared with the
+    // given image in another set of pixels. So its error, `best.error`, is divided by `spread`, the contrast
+    // of the given image in the same pixels. Only then are the errors comparable. To avoid divisions, both
+    // quotients are multiplied by both contrasts.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

@@ -72,8 +72,9 @@ class Job {
     std::unique_ptr<Threads> arena_;      ///< null if the job uses TBB's default arena
 };
 
-/// While this object exists, the calling thread and its parallel loops work for `job`. A thread must destroy
-/// its JobScopes itself, in reverse order of their creation.
+/// Assigns the calling thread to `job` while this object exists. The thread and its parallel loops then use
+/// the job's number of threads, report progress to it, and stop if it is cancelled. A thread must destroy its
+/// JobScopes itself, in the reverse order of their creation.
 class JobScope {
   public:
     explicit JobScope(Job& job);

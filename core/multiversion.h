@@ -1,9 +1,10 @@
-// POSTLENS_MULTIVERSION in front of a function compiles it for several instruction sets. With
-// -ffp-contract=off, all versions give bit-identical results. With clang, and on processors other than
-// x86-64, the macro is empty.
+// The macro POSTLENS_MULTIVERSION, in front of a function, compiles the function for several instruction
+// sets. With -ffp-contract=off, all versions give bit-identical results. With clang, and on processors other
+// than x86-64, the macro is empty.
 //
-// GCC 12 still fuses alternating sums and differences of products, as in complex arithmetic. Split such code
-// into two loops. scripts/check_instruction_sets.sh finds it.
+// In spite of -ffp-contract=off, GCC 12 fuses multiplications with additions if a loop alternates between
+// sums and differences of products, as complex arithmetic does. Split such a loop into two loops.
+// scripts/check_instruction_sets.sh reports fused instructions.
 #pragma once
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(POSTLENS_NO_MULTIVERSION)

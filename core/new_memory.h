@@ -1,5 +1,6 @@
-// Allocates large vectors faster, because all threads take part in the first write to each memory page, which
-// is slow.
+// Provides memory for large vectors faster. When a memory page is written to for the first time, the
+// operating system must provide it, which is slow. Therefore, all threads write to the pages of the new
+// memory in parallel.
 #pragma once
 
 #include <algorithm>

@@ -27,17 +27,18 @@ void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 }
 
 #ifdef POSTLENS_OWN_HEAPS
-/// Number of huge pages (2^21 bytes each) in the address space. Addresses have 47 bits (x86-64) or 48 bits
-/// (ARM).
+/// Number of huge pages in the address space, each of 2^21 bytes. The addresses of a program have 47 bits
+/// (x86-64) or 48 bits (ARM), so 48 bits are assumed.
 constexpr std::size_t huge_pages = std::size_t{1} << (48 - 21);
 
-/// One bit per huge page, set when request_what_follows has requested huge pages from this page on. The array
-/// takes 16 MB of address space, but hardly any memory.
+/// Contains one bit for each huge page of the address space. The bit is set when request_what_follows has
+/// requested huge pages from this page on, so that it does not repeat the request. The array takes 16 MB of
+/// address space, but hardly any memory, because most of it is never written to.
 std::array<std::atomic<std::uint64_t>, huge_pages / 64> reached;
 
-/// Asks the kernel for huge pages at the addresses after a block, because malloc will place the next blocks
-/// there. This must happen before the first write to these addresses, because that write decides the size of
-/// their pages.
+/// Asks the kernel for huge pages at the addresses after a block of memory, which ends at `block_end`. malloc
+/// will place the next blocks there. The size of a page is decided when it is first written to. Therefore,
+/// the request must be made before these blocks are used.
 void request_what_follows(std::uintptr_t block_end) {
     constexpr std::uintptr_t pages_ahead = 8;
     const std::uintptr_t page = block_end / huge_page_bytes;
@@ -48,8 +49,9 @@ void request_what_follows(std::uintptr_t block_end) {
     request_huge_pages(page * huge_page_bytes, (page + 1 + pages_ahead) * huge_page_bytes);
 }
 #else
-/// A library requests no huge pages for the memory after a block, because that memory belongs to the program
-/// that loads the library.
+/// In the program, this function requests huge pages for the memory after an allocated block. This version,
+/// for the library, does nothing. There, the memory after the block belongs to the program that loads the
+/// library, so the library must not change how it is paged.
 void request_what_follows(std::uintptr_t /*block_end*/) {}
 #endif
 

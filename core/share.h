@@ -8,15 +8,17 @@ namespace postlens {
 /// Share number `index` of `count` shares. `index` begins at 0.
 struct Share {
     int index = 0, count = 1;
-    /// Returns whether item i, such as a frame or an image, belongs to this share of the work. Every
-    /// `count`-th item does.
+    /// Returns true if item i of the work belongs to this share. An item is, for example, a frame or an
+    /// image. The items are dealt in turn, so that every `count`-th item belongs to this share, starting with
+    /// item `index`.
     [[nodiscard]] bool has(std::size_t i) const {
         return i % static_cast<std::size_t>(count) == static_cast<std::size_t>(index);
     }
 };
 
-/// Several runs may each compute a share of the items, such as images, in a folder. This setting states
-/// whether a run computes missing items, or only joins the results of earlier runs.
+/// Several runs can divide the items of a command, such as the images of a sweep, and write their results to
+/// one folder. This setting states what a run does about items whose results are missing in the folder: it
+/// either computes them, or only joins the results of earlier runs.
 enum class Join {
     no,      ///< computes missing items
     whole,   ///< throws an error if an item is missing

@@ -22,9 +22,9 @@ struct Polynomial {
 constexpr std::array<Polynomial, 4> polynomials{
     {{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}}};
 
-/// Returns the direction numbers of a dimension of the Sobol sequence, with their bits reversed. A point of
-/// the sequence is the exclusive or of some of these numbers. Number k is included if bit k of the point's
-/// index is set.
+/// Returns the direction numbers of one dimension of the Sobol sequence, with their bits reversed. A point's
+/// coordinate in this dimension is computed from them: it is the exclusive or of those direction numbers k
+/// for which bit k of the point's index is 1.
 constexpr Directions directions(int dimension) {
     Directions v{};
     if (dimension == 0) {  // van der Corput sequence: the index's bits, mirrored
@@ -92,8 +92,10 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return unit_float(reverse_bits(owen_scramble_reversed(x, seed)));
 }
 
-/// Permutes sample indices by a nested uniform scramble. If two indices differ only in their lowest j bits,
-/// the permuted indices also differ only in their lowest j bits.
+/// Permutes the indices of samples randomly, so that independent choices use the Sobol points in different
+/// orders. The permutation is a nested uniform scramble: if two indices differ only in their lowest j bits,
+/// their permuted indices also differ only in their lowest j bits. Therefore, groups of 2^j consecutive
+/// samples stay groups.
 template <int lanes>
 [[gnu::always_inline]] inline void shuffled(std::uint32_t seed, std::uint32_t reversed_mask, int first,
                                             std::uint32_t* index) {
@@ -114,8 +116,10 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// Bit-reversed coordinates of 16 consecutive Sobol points. The coordinate of point i is low[i] ^ high. The
-/// index of the first point is a multiple of 16.
+/// Coordinates of 16 consecutive Sobol points along one dimension, with their bits reversed. The coordinate
+/// of point i is low[i] ^ high, because it is the exclusive or of a part from the low ten bits of the point's
+/// index and a part from the higher bits. The index of the first point is a multiple of 16, so all 16 points
+/// have the same part `high`.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

@@ -42,8 +42,8 @@ void require_threads(int number) {
 }
 
 int library_threads() {
-    // More threads would have little work each. They might not even start if memory or the number of
-    // processes is limited.
+    // Largest number of threads of a library. With more threads, each would have little work. In addition,
+    // some threads might not start if the memory or the number of processes is limited.
     constexpr int most = 8;
     return std::min(static_cast<int>(std::thread::hardware_concurrency()), most);
 }

@@ -160,8 +160,9 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
                          o.image)});
         return;
     }
-    // `preference` tells, in standard errors, which of two references the image is nearer to. By chance
-    // alone, its magnitude exceeds 4 once in 16000 images.
+    // `preference` compares the image's errors against two references, which should be equally good. It is
+    // their difference, divided by its standard error. If only chance decides which reference the image is
+    // nearer to, its magnitude exceeds 4 once in 16000 images. So a larger magnitude causes a warning.
     if (c.noise && std::abs(c.noise->preference) > 4) {
         out.warnings.push_back(
             {"unlike_references",
@@ -203,8 +204,9 @@ Image read_part(const std::string& path, const std::optional<Crop>& crop) {
     return image;
 }
 
-// Brings all images to the exposure of --exposure. The default is that of the reference, or else that of the
-// tested image.
+// Converts all images of a comparison to one exposure, so that their values are comparable. This exposure is
+// the value of the option --exposure. Without this option, it is the exposure stored with the reference, or
+// else that of the tested image, or else 0.
 class Exposer {
   public:
     Exposer(const CompareCommandOptions& o, const Image& reference, const Image& image)
@@ -226,8 +228,9 @@ class Exposer {
     std::optional<Crop> crop_;
 };
 
-// Writes an image that shows the cause of each pixel's error. Also reports which fraction of the error each
-// cause explains.
+// Finds the cause of each pixel's error, for example a surface that the sample file does not contain. Writes
+// an image that shows the causes. Also reports, for each cause, the fraction of the whole error that it
+// explains.
 void map_causes(const CompareCommandOptions& o, const Exposer& exposer, CommandResult& out) {
     const SampleFileReader file(*o.frame, Damage::refuse, exposer.stops());
     warn_of_missing_rows(file, out.warnings);

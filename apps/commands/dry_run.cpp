@@ -115,10 +115,10 @@ class Measured {
         return work_.by_samples ? of_samples(whole) : of_rows(whole);
     }
 
-    /// Runs the user's command once, and measures its time and memory.
-    /// `more`: additional options
-    /// `amount`: number of samples or views, used instead of the number in the user's command
-    /// `ending`: extension of the output file
+    /// Runs the user's command once in its own process, and returns the time and memory that it needed.
+    /// - `more`: options that are added to the command line
+    /// - `amount`: number of samples or views, instead of the user's
+    /// - `ending`: extension of the output file
     [[nodiscard]] Cost run(const std::vector<std::string>& more, int amount, const std::string& ending) {
         std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string()};
         for (const std::string& word : work_.words) {
@@ -156,8 +156,9 @@ class Measured {
                     line.empty() ? "--dry-run: a part of the command was ended" : line);
     }
 
-    /// Predicts the command's run time as a linear function of its number of samples or views. Short runs use
-    /// only a few of them: first N, then 2N. N is doubled until the times of the two runs clearly differ.
+    /// Predicts the command's run time as a linear function of its number of samples or views: a fixed time
+    /// plus a time for each. For this, two short runs are measured, with only a few samples or views: N in
+    /// the first run and 2N in the second. N is doubled until the times of the two runs clearly differ.
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
@@ -195,9 +196,10 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // Frame i was only run with `measured` samples or views, like the middle frame. The ratio of
-            // these two times, multiplied by the predicted full time of the middle frame, predicts the full
-            // time of frame i.
+            // Two short runs, one of the middle frame and one of frame i, used the same number of samples or
+            // views, `of_middle.measured`. `scale` is the ratio of their times. The time of the middle frame
+            // with all samples or views (`work_.amount`) is already predicted. So this time multiplied by
+            // `scale` predicts the time of frame i.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -212,7 +214,8 @@ class Measured {
     }
 
     /// Predicts the time of each machine if several machines divide the images of the command `sweep`. The
-    /// time is a fixed time plus a time per image, both measured by short runs.
+    /// time of a machine is a fixed time, for example for reading the sample file, plus a time for each of
+    /// its images. Both are measured by short runs.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
@@ -247,8 +250,10 @@ class Measured {
     }
 
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
-        // The output file divides the samples into blocks. It stores one sum of radiance per pixel and block,
-        // so more blocks need more memory.
+        // Returns the cost of each machine if every machine computes some samples of every pixel. For each
+        // pixel, the output file stores several sums of radiance, each over a block (some of the pixel's
+        // samples). So a machine that stores more blocks needs more memory. The timing runs stored one block
+        // only, so the difference is added.
         const ImageSize size = read_image_size(output_);
         const int blocks =
             (sample_blocks(work_.shares, work_.amount, halves()) + work_.shares - 1) / work_.shares;
@@ -262,9 +267,10 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // The timing runs in `whole` computed all rows of the image. A timing run here computes only the rows
-        // of one machine, 1/shares of the image. So in the same time, it can use `shares` times as many
-        // samples or views.
+        // Measures the cost of several machines' shares, each of which is a group of the image's rows. The
+        // earlier timing runs, whose result is `whole`, computed all rows, with `whole.measured` samples or
+        // views. The runs made here compute only 1/shares of the rows. Therefore, in the same time, they can
+        // use `shares` times as many samples or views, `amount`.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

@@ -51,8 +51,9 @@ nlohmann::ordered_json json_number(double value) {
 
 void check_sufficient(const SampleHeader& h, const ThinLens& lens, std::vector<Warning>& out) {
     const std::optional<double>& smallest = h.sufficient.smallest_f_number;
-    // A sample file states the f-number as film distance / aperture diameter, but `lens` as focal length /
-    // aperture diameter. So it is converted.
+    // Converts the f-number of `lens`, so that it can be compared with the smallest f-number for which the
+    // file was traced. The two are defined differently. The sample file's f-number is film distance /
+    // aperture diameter, but that of `lens` is focal length / aperture diameter.
     const double f_number = lens.f_number * h.film_distance_mm / lens.focal_length_mm;
     constexpr double rounding = 1e-9;
     if (!smallest || f_number >= *smallest * (1 - rounding)) return;
@@ -131,8 +132,10 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    // With a scene, additional rays improve even a pinhole image. They find surfaces that are smaller than
-    // the distance between the sample file's records.
+    // `has_views` is true if the image may be made by averaging views (images seen from single lens points).
+    // This is useful for a lens with a finite f-number. If the user names the scene file, it is also useful
+    // for a pinhole, because additional rays are then traced into the scene. They find surfaces that are
+    // smaller than the distance between the sample file's records.
     const bool has_views = std::isfinite(lens.lens.f_number) || options.retrace.scene;
     if (method == FocusMethod::automatic && has_views) {
         AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},
@@ -151,8 +154,10 @@ CommandResult run_focus(const FocusOptions& options) {
     }
     check_sufficient(file.header(), lens.lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
-    // Warns of reflections and refractions whose image moves nonlinearly when the lens point moves. Sample
-    // files describe only linear motion (by matrices W).
+    // Adds a warning if some reflections or refractions are blurred inaccurately. When the lens point moves,
+    // the image of a reflected or refracted object moves on the raster. Sample files describe this motion as
+    // linear, by the matrix W of each record. So the warning concerns objects whose motion is strongly
+    // nonlinear, for example in curved mirrors.
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials &&
         !options.retrace.scene) {
         const SampleHeader& h = file.header();

@@ -43,8 +43,9 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
-/// Adds the images of --behind to `picture`, each behind those before it. Pixels at edges, which mix several
-/// surfaces, are first split into one sample per surface.
+/// Composites the images named by the option --behind behind `picture`: each is placed behind those before
+/// it. A pixel at an edge is a mixture of several surfaces at different depths. Therefore, such pixels of the
+/// images are first split into one sample per surface.
 void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, const ForeignCameraChoice& camera,
                     std::size_t& unmixed) {
     ForeignChoice choice = options.choice;
@@ -218,8 +219,9 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // With a lens prescription, `lens` holds the focal length of the prescription, not that of the camera
-    // that rendered the image.
+    // Sets `choice.focal_length_mm`, the focal length of the camera that rendered the image. If the user
+    // states it, it is in `lens`. But if the impulse response comes from a lens prescription
+    // (ImpulseKind::lens), `lens` holds the prescription's focal length instead, so it is not used here.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;
@@ -230,8 +232,10 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method_of_foreign_picture();
     const FocusMethod method = unplanned ? usual.method : options.method;
-    // Usually, --views is allowed only for some methods. An extra output channel that is averaged over views
-    // (images seen from single lens points) makes it allowed for all.
+    // Checks the options against the method. The option --views states the number of views (images seen from
+    // single lens points), so it is usually allowed only for methods that make views. However, if an extra
+    // output channel is averaged over views (`by_views`), --views is allowed for all methods, and is not
+    // checked here.
     check_depth_options(options.spacing, options.depth_model, method);
     check_counts(options.depths, options.foreign.passes.by_views() ? std::nullopt : options.views, method);
     check_crop(options.crop, picture.width, picture.height);

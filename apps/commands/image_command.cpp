@@ -8,8 +8,9 @@ namespace postlens {
 CommandResult run_image(const ImageOptions& options) {
     const std::string& output = options.output;
     check_output(output);
-    // If a file is damaged, its format may not be recognised. So with --salvage, the file is assumed to be a
-    // sample file.
+    // Another program's image is processed by `foreign_image`. The function `is_foreign` recognises such an
+    // image by the file's content, which may be unreadable if the file is damaged. Therefore, with --salvage,
+    // which reads damaged sample files, the file is assumed to be a sample file.
     if (!options.salvage && is_foreign(options.input)) return foreign_image(options);
     refuse_foreign_options(options.foreign, options.input);
     const Damage damage = damage_rule(options.salvage);

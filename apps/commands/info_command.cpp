@@ -15,8 +15,9 @@
 namespace postlens {
 namespace {
 
-// Returns the number of layers of visible and hidden surfaces. All samples are read, because the file does
-// not state this number.
+// Returns the number of layers in the file: layer 0 contains the visible surfaces, and the others contain
+// surfaces hidden behind them. This number is not stored in the file. Therefore, all samples are read to find
+// the largest layer.
 std::int64_t layers_of(const SampleFileReader& file) {
     constexpr int rows = 64;
     std::uint32_t deepest = 0;

@@ -50,8 +50,8 @@ struct Merged {  // NOLINT(bugprone-exception-escape): as PartFacts, which it ho
     std::vector<int> missing;
 };
 
-/// Returns a black image with the channels of `part`, one machine's part of an image. Its size is that of the
-/// whole image.
+/// Returns a black image of the size of the whole image. `part` is the part of this image that one machine
+/// computed. The black image has the same channels and exposure as `part`.
 Image whole_of(const NamedPart& part) {
     const ImageSize& size = part.part.whole;
     require_memory(static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height) *
@@ -97,8 +97,9 @@ Merged merge_rows(const std::vector<std::string>& names, bool partial) {
     return out;
 }
 
-/// Joins the files of several machines. Each machine computed some samples of every pixel. Only one file at a
-/// time is in memory.
+/// Joins the result files `names` of several machines, each of which computed some samples of every pixel.
+/// The samples are added up. Only one file at a time is in memory, because each is as large as the whole
+/// image.
 Merged merge_samples(const std::vector<std::string>& names, bool partial) {
     Merged out;
     FoundParts found;

@@ -25,8 +25,9 @@ PartFacts facts_of(const std::string& name) {
     return out;
 }
 
-/// Returns the `sweep` or `chart` command line that made `part`, the results of one machine. `merge` runs the
-/// command again to join all parts.
+/// `part` is a result file that one machine wrote, when several machines divided a `sweep` or a `chart`.
+/// Returns the command line that made it, which the file contains. With this command line, `merge` runs the
+/// command again, which joins all parts.
 std::vector<std::string> words_in(const PartFacts& part) {
     const std::vector<std::string> words = words_of_mark(part.mark);
     const auto foreign = [](const std::string& word) {

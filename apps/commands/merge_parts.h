@@ -11,9 +11,9 @@
 
 namespace postlens {
 
-/// Several machines can divide the work of a command into N shares (--share I/N). Returns the share of which
-/// the file `name` is the result. `mark` is JSON from this file's metadata. Throws Error(invalid_input) if
-/// `mark` is not in the format of mark_of (share.h).
+/// Returns the share whose result is the file `name`, if several machines divided the work of a command into
+/// N shares (--share I/N). The share is read from `mark`, JSON that is stored in the file's metadata. Throws
+/// Error(invalid_input) if `mark` is not in the format of mark_of (share.h).
 [[nodiscard]] Share share_in(const nlohmann::ordered_json& mark, const std::string& name);
 
 /// Description of a part without its contents.
@@ -31,8 +31,9 @@ void check_same_work(const PartFacts& first, const PartFacts& other);
 class FoundParts {
   public:
     void add(const PartFacts& part);
-    /// Returns the machines' shares, as numbers from 0 to count - 1, of which no result file was added. If
-    /// any is missing, throws unless `partial` is true.
+    /// A command is divided into `count` shares, one per machine. Returns the numbers (0 to count - 1) of
+    /// those shares whose result file was not added. If there are any, throws an error unless `partial` is
+    /// true.
     [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
 
   private:

@@ -150,8 +150,9 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     return out;
 }
 
-/// Makes an image with motion blur by calling the command `shoot`, because the methods of `motionblur` do not
-/// trace rays into the scene.
+/// Makes an image with motion blur and with rays that are traced into the scene. The methods of the command
+/// `motionblur` trace no rays. Therefore, the options are passed to the command `shoot`, which can trace
+/// them.
 CommandResult blur_with_rays(const MotionBlurOptions& o) {
     if (!o.retrace.scene)
         fail(ExitCode::wrong_arguments,
@@ -186,8 +187,9 @@ CommandResult blur_with_rays(const MotionBlurOptions& o) {
                        .paths = o.paths,
                        .shutter_from_frame = o.shutter_from_frame};
     shoot.focus.lens = {.f_number = std::numeric_limits<double>::infinity()};
-    // The f-number is infinite, so the focus distance does not change the image. But the command `shoot`
-    // refuses a file without a focus distance, so 1 m is used.
+    // Sets a focus distance if the file has none, because the command `shoot` requires one. The value does
+    // not matter: the f-number is infinite, so the lens is a pinhole, whose image does not depend on the
+    // focus distance. 1 m is used.
     if (!SampleFileReader(o.input, damage_rule(o.salvage)).header().focus_m) shoot.focus.lens.focus_m = 1;
     shoot.focus.views = o.settings.views;
     return run_shoot(shoot);
@@ -221,8 +223,9 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     // be a sample file.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
     const VectorChoice& v = options.vectors;
-    // Refuses options that do not apply to sample files. For files of other formats, the reader throws a
-    // clearer error later.
+    // The options checked here describe the motion, depth and objects of another program's image. A sample
+    // file contains these data itself, so the options are refused. If the file has neither format, they are
+    // not refused here, because reading the file then fails with an error that states the real cause.
     if (SampleFileReader::is_sample_file(options.input)) {
         if (v.channels || v.scale || v.offset || !v.file.empty() || options.foreign.given()) {
             fail(ExitCode::wrong_arguments,

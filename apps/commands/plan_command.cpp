@@ -32,8 +32,9 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
     write_image(path, out, crop);
 }
 
-// Reads the scene into which rays are traced, if there is one. First checks the names of the output files, so
-// that errors are reported before the long work.
+// Reads the scene into which rays are traced. Returns nothing if the user names no scene. First, the name of
+// the output file `retrace.explain` is checked, so that an invalid name is reported before the long work and
+// not after it. Throws if the scene refers to one of the output files, because it would be overwritten.
 std::optional<Scene> scene_of(const RetraceOptions& retrace, const SampleFileReader& file,
                               const std::string& picture, CommandResult& out) {
     if (retrace.explain) check_image_path(*retrace.explain);

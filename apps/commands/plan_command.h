@@ -8,8 +8,9 @@
 
 namespace postlens {
 
-/// Makes an image by the method `auto`, with as many views and rays as the target PSNR needs. Sets the exit
-/// code if the target is missed. Throws if the output file `picture` is also a file of the scene.
+/// Makes an image by the method `auto`, with as many views (images seen from single lens points) and rays as
+/// are needed for the target PSNR. If the target is not reached, sets the exit code of the result `out`.
+/// `picture` is the path of the output image. Throws if the scene refers to this file.
 [[nodiscard]] AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptions& retrace,
                                   const std::string& picture, CommandResult& out);
 /// Adds the predicted error of an image to the text and JSON of the result (option --predict).

@@ -88,8 +88,9 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
                                    w.worst.text),
                        w.worst.share});
     }
-    // The sample file may be traced for too small an aperture or exposure interval for many images. Only the
-    // first such warning is reported, with their number.
+    // Warns if the sample file was traced for a smaller aperture or a shorter exposure than some images of
+    // the sweep need, because surfaces may then be missing. This could cause one warning per image.
+    // Therefore, only the first warning is reported, with the number of images that it concerns (`pictures`).
     std::vector<Warning> insufficient;
     std::size_t pictures = 0;
     for (const SweepRow& row : result.table.rows) {

@@ -11,8 +11,9 @@ namespace postlens {
 
 struct SweepOptions {
     std::string input, output;
-    /// Lists of values, as typed by the user. An image is made for each combination. By default, f-number,
-    /// focal length and focus are those in the sample file.
+    /// Lists of values, as typed by the user. An image is made for each combination of a value from every
+    /// list. If the list of f-numbers, focal lengths or focus distances is absent, the value stored in the
+    /// sample file is used.
     std::optional<std::string> f_number, focal_length, focus, shutter, impulse;
     Impulse modifiers;          ///< squeeze, cats_eye and spherical of every impulse response
     std::string curve = "box";  ///< box, triangle or a file

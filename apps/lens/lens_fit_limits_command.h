@@ -30,8 +30,9 @@ struct LensFitLimitsOptions {
 /// Runs `lens fit --picture --frame`, which estimates the lens with which an image was made.
 [[nodiscard]] CommandResult run_lens_fit_picture(const LensFitLimitsOptions& options);
 
-/// Runs `lens fit --pairs` or `--sharp`: finds a lens for given blur diameters or for depths that must be
-/// sharp. Exactly one of the two must be given.
+/// Runs `lens fit --pairs` or `lens fit --sharp`. The first finds a lens that produces the given blur
+/// diameters. The second finds a lens that makes a given range of depths sharp. Exactly one of these two
+/// options must be given.
 [[nodiscard]] CommandResult run_lens_fit_limits(const LensFitLimitsOptions& options);
 
 }  // namespace postlens

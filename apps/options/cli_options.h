@@ -19,8 +19,9 @@
 
 namespace postlens {
 
-// These functions add a numeric option, whose help text states the bounds. apps/numbers.h parses the value,
-// because CLI11 neither accepts "inf" nor checks these bounds.
+// These functions add an option with a numeric value. The help text of the option states the bounds of the
+// value. The value is parsed by the functions of apps/numbers.h, because CLI11 does not accept "inf" and does
+// not check these bounds.
 CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
                     const std::string& help, const std::string& unit, const OptionRange& bounds,
                     bool infinite = false);
@@ -42,8 +43,8 @@ inline constexpr OptionRange lens_view_counts{.low = 1, .high = most_lens_views}
 CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,
                       const std::string& help);
 
-/// Adds the flag --dry-run, which predicts time and memory instead of running the command. Only for commands
-/// whose work several machines can share (--share).
+/// Adds the flag --dry-run. With it, the command is not run, but its time and memory are predicted. Only
+/// commands whose work several machines can divide (--share) have this flag.
 void dry_run_option(CLI::App& app, ParsedCommand& to);
 
 inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high = most_exposure_stops},
@@ -68,8 +69,10 @@ void predict_option(CLI::App& app, bool& to);
 void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
-/// Adds --impulse and the other options of the impulse response. With `on_axis`, the imaged point lies on the
-/// axis of a thin lens, so lens prescriptions and --cats-eye are left out.
+/// Adds --impulse and the other options of the impulse response, i.e. the image of one scene point. If
+/// `on_axis` is true, this point lies on the axis of a thin lens. In this case, neither --cats-eye nor
+/// `lens:PRESCRIPTION` (a value of --impulse) is accepted, because the first has no effect on the axis and
+/// the second describes a real lens.
 void impulse_options(CLI::App& app, Impulse& to, bool on_axis = false);
 void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, CameraOverrides& camera,
                    std::string& camera_name);
@@ -83,8 +86,9 @@ void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::strin
                      const std::string& absent = "open for an instant");
 
 struct LensFitLimitsOptions;
-/// Adds the options with which `lens fit` finds a lens without a lens prescription: from measured blur
-/// (--pairs), a depth range (--sharp) or an image (--picture). See cli_lens_fit.cpp.
+/// Adds the options for the uses of `lens fit` that need no lens prescription. They find a lens from measured
+/// blur diameters (--pairs), from a range of depths that must be sharp (--sharp), or from an image made with
+/// the lens (--picture). They are defined in cli_lens_fit.cpp.
 std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app);
 
 /// Adds the subcommand `lens` with its own subcommands (cli_lens.cpp). Each subcommand has a lambda, which

@@ -31,8 +31,9 @@ struct CommandOptions {
     FrameOptions frames;
     std::optional<Share> share;
     MergeOptions merge;
-    /// Returns the options for processing several frames (--frames). Before, sets their member `speak`: print
-    /// a line after each frame, unless --quiet or --json is given.
+    /// Returns the options for a command that processes several frames (--frames). Before, sets the member
+    /// `speak` of these options, which states whether a line is printed after each frame. It is false with
+    /// --quiet or --json, and otherwise true.
     [[nodiscard]] const FrameOptions& asked_frames() {
         frames.speak = !common.quiet && !common.json;
         return frames;

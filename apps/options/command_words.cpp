@@ -12,9 +12,10 @@
 namespace postlens {
 namespace {
 
-// Names for the kinds of values that options have, for example "reads" for the name of an input file. By
-// these marks, later functions find all files of a command line. CLI11's options have no field for a mark, so
-// it is the name of a validator that accepts every value.
+// A mark is a text attached to an option that states which kind of file name the option's value contains: for
+// example, "reads" means the name of an input file. By these marks, later functions find all files of a
+// command line. CLI11's options have no field for such a text. Therefore, `marked` adds a validator that
+// accepts every value, and the mark is the validator's name.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *object_mark = "reads of object", *write_mark = "writes";
 
@@ -30,8 +31,9 @@ bool has_mark(CLI::Option* option, const std::string& mark) {
     }
 }
 
-/// Returns the file name in `text`, the value of an option. The value may be the file name itself, such as
-/// `a.exr`, or contain it, such as `image:FILE`. Returns an empty text if there is no file name.
+/// Returns the file name that `text`, the value of an option, contains. The mark of the option states where
+/// it is: the value may be a file name itself, such as `a.exr`, or contain one, such as `image:FILE`. If
+/// there is no file name in it, an empty text is returned.
 std::string path_in(CLI::Option* option, const std::string& text) {
     if (has_mark(option, read_mark) || has_mark(option, write_mark)) return text;
     if (has_mark(option, curve_mark)) return text == "box" || text == "triangle" ? "" : text;
@@ -161,8 +163,9 @@ std::vector<std::string> words_of(CLI::App& app) {
             continue;
         const bool flag = option->get_expected_max() == 0;
         for (const std::string& text : option->results()) {
-            // The value is written as --name=value. As a separate word, a value that begins with a dash would
-            // be parsed as an option.
+            // Appends the option to the command line. An option with a value is written as one word,
+            // --name=value. If the value were a separate word and began with a dash, it would be parsed as
+            // another option.
             if (option->get_positional())
                 out.push_back(text);
             else

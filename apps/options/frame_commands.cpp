@@ -40,9 +40,9 @@ ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
             display.y_max - display.y_min + 1 - 2 * overscan_px};
 }
 
-/// If several machines share one image (--share), sets `crop` to the rows that this machine makes. Also sets
-/// `shared`, by which `merge` recognises the result. Does nothing with --frames, where each machine makes
-/// whole images.
+/// If several machines divide the rows of one image (--share), sets `crop` to the rows that this machine
+/// makes. Also sets `shared`, a description of this share that is stored in the result, by which `merge`
+/// recognises it. With --frames, each machine makes whole images instead, so the function does nothing.
 void divide(const FrameOptions& frames, const std::string& output, std::optional<SharedWork>& shared,
             std::optional<Crop>& crop, const std::function<ImageSize()>& raster) {
     if (!frames.shared || frames.frames) return;
@@ -117,8 +117,9 @@ ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     return choice;
 }
 
-/// Options of most commands have the members `exposure` and `made_by` themselves, but ShootOptions has them
-/// in its member `focus`. Returns the struct that has them.
+/// Returns the struct that contains the members `exposure` and `made_by`, which all commands with --frames
+/// have. In the options of most commands, this is `options` itself. But in ShootOptions, it is the member
+/// `focus`.
 template <typename Options>
 auto& image_of(Options& options) {
     if constexpr (requires { options.focus; }) {
@@ -145,9 +146,10 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
     if (frames.asked_for) {
         range.asked_for = [&](int frame) {
             nlohmann::ordered_json out = frames.asked_for(frame);
-            // With the exposure `auto`, all frames get the exposure of the first frame. Each output file
-            // stores it. If the first frame's exposure is now different, --keep makes the frame again instead
-            // of keeping its file.
+            // Adds the exposure to `out`, the settings that are stored in the output file. With the exposure
+            // `auto`, all frames get the exposure of the first frame. With --keep, a frame is not made again
+            // if the settings in its file equal the present ones. So if the first frame's exposure has
+            // changed, all frames are made again.
             if (const auto& stops = image_of(options).exposure.stops) out["exposure_stops"] = *stops;
             return out;
         };

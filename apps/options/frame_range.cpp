@@ -63,7 +63,9 @@ bool is_whole(const fs::path& path) {
             const Image image = read_image(path);
             return image.width > 0;
         }
-        // The rows of a sample file are written in order. If the last row can be read, the file is complete.
+        // Checks whether the sample file is complete. Its rows are written in order, so an interrupted
+        // program leaves a file without the last rows. Therefore, the file is complete if its last row can be
+        // read at every instant.
         const SampleFileReader file(path);
         RecordBand band;
         for (std::size_t i = 0; i < file.instants(); ++i) file.read(file.y_end() - 1, file.y_end(), band, i);
@@ -91,8 +93,9 @@ std::string why_again(const fs::path& output, const nlohmann::ordered_json& made
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
     if (!json.is_object()) return "its file does not say how";
-    // When settings were stored in the file, invalid UTF-8 (for example in a file name) was replaced. text_of
-    // replaces it in `made_by` too, so that equal settings compare as equal.
+    // Compares the settings in the existing output file, `json`, with `made_by`, the settings of the present
+    // run. When the former were written to the file, invalid UTF-8 (for example in a file name) was replaced.
+    // `text_of` makes the same replacement in `made_by`, so that equal settings compare as equal.
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 

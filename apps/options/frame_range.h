@@ -15,8 +15,9 @@ namespace postlens {
 /// kept, and no number may occur twice. Throws Error(wrong_arguments), which names the option.
 [[nodiscard]] std::vector<int> parse_frames(std::string_view option, std::string_view text);
 
-/// A file name with placeholders for the frame number, such as %d or %04d (4 digits with leading zeros).
-/// Without them, if `hashes` is set, a run of # in the last part of the path is the placeholder.
+/// A file name with placeholders for the frame number. %d stands for the number, and %04d for the number with
+/// at least 4 digits (leading zeros). If `hashes` is true and there is no such placeholder, a run of # in the
+/// last part of the path is the placeholder.
 class FrameName {
   public:
     FrameName(std::string_view text, bool hashes);
@@ -53,8 +54,9 @@ struct FrameFiles {
     std::vector<std::string> passes;
 };
 
-/// Checks a command without --frames. Throws Error(wrong_arguments) if a file name has a placeholder, or if
-/// --keep or --fps is given.
+/// Checks a command that is used without --frames, that is, for a single frame. Throws Error(wrong_arguments)
+/// if a file name contains a placeholder for the frame number, or if --keep or --fps is given, because these
+/// are useful only for several frames.
 void refuse_frames(const FrameOptions& options, const FrameFiles& names);
 
 /// Runs the command for each frame by calling `run`, which also receives the text for Image::made_by. If

@@ -13,13 +13,15 @@ namespace {
 /// Intended duration of tracing the reference, in seconds.
 constexpr double wanted_seconds = 10;
 constexpr int pilot_spp = 4, least_spp = 32, most_spp = 1024;
-/// The noise is estimated from the difference of two halves of the samples. For a single pixel, this is
-/// inaccurate. So it is averaged over all pixels within this distance along x and y.
+/// `noise_radius_px` is the radius, in px, within which the noise of the reference is averaged. This noise is
+/// estimated from the difference of two images, each made from half of the samples. For a single pixel, this
+/// estimate is inaccurate. Therefore, it is averaged over all pixels within this distance along x and y.
 constexpr int noise_radius_px = 2;
 constexpr float tolerated_deviations = 3;
 
-/// Returns the noise variance of each pixel, in sRGB values, as the mean of the channels. It is estimated
-/// from the difference between two images of half the samples each.
+/// Returns the variance of the noise of each pixel, in sRGB values, as the mean of the three channels. `made`
+/// contains two images, each made from half of the samples. Because their noise is independent, the variance
+/// is estimated from their difference.
 std::vector<float> variances(const HalvedImage& made) {
     std::vector<float> out(made.image.rgb.size() / 3);
     parallel_for(

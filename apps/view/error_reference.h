@@ -1,5 +1,5 @@
-// Traces a reference image in a limited time. From the difference to it, the viewer finds the causes of
-// errors in its image.
+// Makes a reference image by tracing rays for a limited time. The viewer compares its own image with this
+// reference, to find where its image is wrong and what causes the error.
 #pragma once
 
 #include <functional>
@@ -28,9 +28,9 @@ struct ErrorReference {
 /// noise.
 [[nodiscard]] ErrorReference trace_error_reference(const std::function<HalvedImage(int spp)>& trace);
 
-/// Prevents noise of the reference from counting as an error of `image`. Where `image` differs from the
-/// reference by at most three standard deviations of the noise, its colour is copied into the reference.
-/// Throws Error(invalid_input) if the sizes differ.
+/// Prevents the noise of `reference` from counting as an error of `image`. Where the two differ by at most
+/// three standard deviations of the noise, the difference may be mere noise. Therefore, the colour of `image`
+/// is copied into the reference there. Throws Error(invalid_input) if the sizes differ.
 void take_out_noise(ErrorReference& reference, const Image& image);
 
 }  // namespace postlens

@@ -14,8 +14,9 @@ namespace postlens {
 /// - For a sample file, it is the brightest surface that the pinhole sees in the pixel.
 /// - For another program's image, it is the first surface at which the accumulated alpha reaches one half.
 struct ImageDepths {
-    /// Inverse of the focus distance that makes the pixel's surface sharp, in 1/m. It is negative if a mirror
-    /// or glass shows the surface behind infinity, where no lens can focus.
+    /// For each pixel, the inverse of the focus distance, in 1/m, at which a lens images the pixel's surface
+    /// sharply. It is 0 if this distance is infinite. It is negative if a mirror or glass forms the image of
+    /// the surface beyond infinity (converging light), where no lens can focus.
     std::vector<float> inverse_per_m;
     std::vector<std::uint32_t> ids;  ///< id of the object, or 0 if nothing was hit
 };

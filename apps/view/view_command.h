@@ -5,8 +5,9 @@
 
 namespace postlens {
 
-/// Prints the address of the viewer, and serves the viewer until the job is cancelled. Throws
-/// Error(wrong_arguments) if the port is in use, and the errors of opening the frame.
+/// Starts the viewer's web server, prints its address, and serves requests until the current job is
+/// cancelled. Throws Error(wrong_arguments) if the port is in use. Also throws the errors that occur when the
+/// frame is opened.
 [[nodiscard]] CommandResult run_view(const ViewOptions& options);
 
 }  // namespace postlens

@@ -60,9 +60,9 @@ std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     return out;
 }
 
-/// Returns a grey image of inverse depths, in which the page looks up the depth of a clicked pixel. Black
-/// means infinity, and white the inverse depth `greatest`. The image is a quarter as wide and high as the
-/// frame.
+/// Returns a grey image of the inverse depths, so that the web page can find the depth of a pixel on which
+/// the user clicks. Black stands for infinity (inverse depth 0), and white for the inverse depth `greatest`,
+/// in 1/m. The image is a quarter as wide and high as the frame, which makes the page smaller.
 EncodedPicture depth_map(const std::vector<float>& inverse, int width, int height, float greatest) {
     constexpr int by = 4;
     EncodedPicture out(std::max(1, width / by), std::max(1, height / by));
@@ -135,8 +135,9 @@ class Exporter {
     }
 
   private:
-    /// Returns a refocused image as JPEG bytes, scaled down by the factor `by`. From a sample file, it is
-    /// computed as the mean of 64 views (from single lens points).
+    /// Returns an image for the given lens as the bytes of a JPEG file. Its width and height are divided by
+    /// `by`. If the frame is a sample file, the image is the mean of 64 views (images seen from single lens
+    /// points).
     [[nodiscard]] std::string picture(double f_number, double focus_m, int by) {
         std::vector<std::string> words{"focus", options_.input, fmt::format("--f-number={}", f_number),
                                        fmt::format("--focus={}", focus_m)};

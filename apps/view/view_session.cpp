@@ -69,8 +69,9 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // The JSON describes a plan of the computation for each tile (square of the image). The web page
-        // needs only the tile's noise, as mean squared error.
+        // Shortens the JSON for the web page. It contains the plan of the method `auto`, which describes the
+        // computation of each tile (square of the image). The page needs only the noise of each tile, as mean
+        // squared error.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -89,8 +90,9 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     return out;
 }
 
-/// Waits until no other request uses the open sample file `kept`, then runs `focus` or `shoot` on it. Returns
-/// the running time in seconds, without the wait.
+/// Runs the command `words` (`focus` or `shoot`) on the open sample file `kept`. Only one request at a time
+/// can use this file, so the function first waits until other requests have finished. Returns the running
+/// time of the command in seconds, without the wait.
 double run_kept(const std::vector<std::string>& words, const std::shared_ptr<KeptFrame>& kept,
                 CommandResult& result) {
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true, .kept = kept});
@@ -154,8 +156,9 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
     return value;
 }
 
-/// Returns the method whose errors are analysed if an image is made with the method `name`. This is `hybrid`
-/// for `auto`, which makes its image by `hybrid`. Empty if there is no such method.
+/// Returns the method called `name`. For the method `auto`, returns `hybrid`, because `auto` makes its image
+/// by the method `hybrid`, so the causes of its errors are the same. Returns nothing if no method has this
+/// name.
 std::optional<FocusMethod> method_of(const std::string& name) {
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
                                      FocusMethod::hybrid, FocusMethod::pinhole}) {
@@ -333,8 +336,9 @@ ViewReply ViewSession::depths() {
     });
 }
 
-/// Returns the last image if the parameters are equal. Otherwise, makes the image from a newly opened file.
-/// The viewer's open file stays free for other requests.
+/// Returns the image for these parameters. If they are the same as those of the last image, returns that
+/// image. Otherwise, makes the image by a command that opens the file once more, so that the viewer's own
+/// open file stays free for other requests.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
     const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});

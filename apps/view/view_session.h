@@ -53,19 +53,22 @@ class ViewSession {
     /// Returns a quickly made preview with large pixels, in the format of `picture`. The JSON value "by" is
     /// the width of a large pixel, in px.
     [[nodiscard]] ViewReply coarse_picture(const ViewParameters& parameters);
-    /// Returns a ray-traced image of the scene, in the format of `picture`. This request cancels an earlier
-    /// request for a ray-traced image, but no request of another kind.
+    /// Returns an image that is made by tracing rays through the scene, in the format of `picture`. If an
+    /// earlier request for such an image is still running, it is cancelled, but requests of other kinds
+    /// continue.
     [[nodiscard]] ViewReply rays(const ViewParameters& parameters);
-    /// Returns the surfaces that a pixel shows, and the diameters of their circles of confusion if the lens
-    /// is known. The parameters are the pixel's position x and y in px and the lens: f-number, focal-length
-    /// and focus.
+    /// Returns the surfaces that a pixel shows. If the lens is known, the answer also contains the diameter
+    /// of each surface's circle of confusion, i.e. of the disc over which the lens spreads a point of it. The
+    /// parameters are the pixel's position x and y in px, and the lens: f-number, focal-length and focus.
     [[nodiscard]] ViewReply pixel(const ViewParameters& parameters);
-    /// Returns the object ids of all pixels (32 bits each), then the inverse distances at which they are in
-    /// focus (half floats, in 1/m).
+    /// Returns two values for every pixel: first the object ids of all pixels (32 bits each), then, for all
+    /// pixels, the inverse of the distance at which the pixel's surface is in focus (half floats, in 1/m).
     [[nodiscard]] ViewReply depths();
     /// Returns the cause of each pixel's error in the image that `picture` returns for the same parameters.
-    /// The error is the difference to a ray-traced reference (find_error_causes). The body consists of:
-    /// - JSON as in `picture`, with a list of all causes: "name", "colour" (sRGB) and "error_share"
+    /// The error is the difference between this image and a ray-traced reference. Its cause is found by
+    /// find_error_causes. The body of the reply consists of:
+    /// - JSON as in `picture`, with a list of all causes: "name", "colour" (sRGB) and "error_share" (fraction
+    ///   of the error)
     /// - one byte per pixel: the index of its cause in this list
     [[nodiscard]] ViewReply causes(const ViewParameters& parameters);
     /// Cancels the work of `causes`.

@@ -13,8 +13,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Largest number of a pixel's samples that are sent to the viewer's web page. A pixel that shows smoke may
-/// have thousands.
+/// Largest number of samples that are sent to the viewer's web page for one pixel of another program's image.
+/// A limit is needed because a pixel that shows smoke may have thousands of samples at different depths.
 constexpr std::size_t most_nodes = 64;
 
 /// Returns a distance in metres for JSON. Null means infinity.
@@ -24,8 +24,9 @@ Json distance_json(double inverse_m) {
 
 class ViewedForeignPicture : public ViewedFrame {
   public:
-    /// The web page must show the depths that the command `focus` uses, so the image is read with the default
-    /// options of `focus`.
+    /// Reads an image of another program. `{}` stands for the default options of the command `focus`, by
+    /// which it interprets the depths and the camera of such an image. They are used here, so that the web
+    /// page shows the same depths as `focus` uses.
     ViewedForeignPicture(const std::string& input, Json info)
         : facts_(std::move(info)), picture_(read_foreign_picture(input, {}, {})) {
         unmix_edges(picture_);
@@ -74,8 +75,10 @@ class ViewedForeignPicture : public ViewedFrame {
         std::vector<Seen> by_light;
         double left = 1, all = 0;
         for (const StackSample& s : picture_.stack(x, y)) {
-            // Samples are sorted by the light that they add to the pixel. A black sample gets the tiny
-            // luminance 1e-12 times alpha, so black samples are sorted by opacity.
+            // Collects the samples of the pixel, each with the light that it adds to the pixel, `light`. The
+            // samples are sorted by it, so that only the most visible ones are listed. Black samples add no
+            // light, so their order would be arbitrary. Therefore, a black sample gets the tiny luminance
+            // 1e-12 times alpha, which sorts black samples by opacity.
             const auto alpha = static_cast<double>(s.alpha);
             const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});

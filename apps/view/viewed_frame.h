@@ -22,11 +22,13 @@ class ViewedFrame {
     ViewedFrame(ViewedFrame&&) = delete;
     ViewedFrame& operator=(ViewedFrame&&) = delete;
 
-    /// Returns what `info` reports about the file, at least:
-    /// - width and height
-    /// - pixel_pitch_mm, film_distance_mm and focal_length_mm, for the circles of confusion
-    /// - f_number, focus_m ("inf" means infinity) and nearest_m (the smallest depth), or null if they are
-    ///   unknown
+    /// Returns facts about the viewed file as JSON, as the command `info` reports them. They contain at
+    /// least:
+    /// - width and height, in px
+    /// - pixel_pitch_mm, film_distance_mm and focal_length_mm, from which the circles of confusion are
+    ///   computed
+    /// - f_number, focus_m (the focus distance; "inf" means infinity) and nearest_m (the smallest depth),
+    ///   each of which is null if it is unknown
     [[nodiscard]] virtual nlohmann::ordered_json facts() const = 0;
     [[nodiscard]] virtual ImageDepths depths() const = 0;
     /// Returns what the pixel at a raster position shows, as JSON:
@@ -36,8 +38,9 @@ class ViewedFrame {
     ///   It is null if the file stores nothing there.
     /// Throws Error(wrong_arguments) if the position or the lens is out of range.
     [[nodiscard]] virtual nlohmann::ordered_json pixel(double x, double y, const LensOptions& lens) const = 0;
-    /// Returns the opened sample file, which is used again for further images. Null if the file is not a
-    /// sample file.
+    /// Returns the sample file that the viewer has opened. It stays open with its records in memory, so that
+    /// the viewer can make further images of it without reading it again. Returns null if the frame is an
+    /// image of another program.
     [[nodiscard]] virtual std::shared_ptr<KeptFrame> kept() const { return nullptr; }
     /// A reduced sample file for quick images. Its pixels are `by` times as wide and high as those of the
     /// full image.
@@ -46,13 +49,15 @@ class ViewedFrame {
         std::shared_ptr<KeptFrame> kept;
         int by = 1;
     };
-    /// Returns a reduced sample file for quick images, or the original if it is small. Throws
-    /// Error(wrong_arguments) for an image of another program.
+    /// Returns a sample file from which images are made quickly. It has fewer and larger pixels than the
+    /// viewed file (Records::by). If the viewed file is already small, returns this file itself, with `by` =
+    /// 1. Throws Error(wrong_arguments) if the frame is an image of another program.
     [[nodiscard]] virtual Records coarse() const = 0;
 };
 
-/// Opens a sample file, or reads another program's image. Throws Error(invalid_input) if the file is neither,
-/// and the errors of the readers.
+/// Opens the file `input`, which is either a sample file or another program's image. Throws
+/// Error(invalid_input) if it is neither. Also throws all errors that occur when a sample file or an image is
+/// read.
 [[nodiscard]] std::unique_ptr<ViewedFrame> open_viewed_frame(const std::string& input);
 
 /// Returns a focus distance in metres as JSON: null if there is none, "inf" for infinity.

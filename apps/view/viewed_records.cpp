@@ -17,8 +17,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Sums over those samples of a pixel that show one object by the same light path. `light` sums weighted
-/// luminance, and `inverse_depth` sums the same divided by depth.
+/// One pixel may have several samples that show the same object along the same light path, for example by one
+/// reflection. They are listed as one entry, whose sums are stored here. Each sample has a weight
+/// proportional to its luminance. `light` is the sum of the weights. `inverse_depth` is the sum of weight /
+/// depth, so its quotient with `light` is a mean inverse depth.
 struct MergedNodes {
     double light = 0, inverse_depth = 0;
     const Json* first = nullptr;
@@ -91,8 +93,9 @@ class ViewedRecords : public ViewedFrame {
             node["behind_infinity"] = inverse < 0;
             out["nodes"].push_back(std::move(node));
         }
-        // `nodes` lists the surfaces that the pixel shows, brightest first. If the user clicks on the pixel,
-        // the web page focuses the lens on `clicked`, the brightest one.
+        // `clicked` is the surface on which the web page focuses the lens if the user clicks on the pixel. It
+        // is the brightest surface that the pixel shows, i.e. the first in the list `nodes`, which is sorted
+        // by brightness. It is null if the list is empty.
         out["clicked"] = out["nodes"].empty() ? Json(nullptr) : out["nodes"][0];
         return out;
     }

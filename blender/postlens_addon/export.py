@@ -13,7 +13,8 @@ from .rendered import rendered
 
 # Types of objects that Blender renders, but glTF does not have.
 LEFT_OUT = {"CURVES": "hair", "POINTCLOUD": "point clouds", "VOLUME": "volumes", "GPENCIL": "drawings"}
-# A matrix has no shear if removing the shear changes its elements by at most this fraction of its largest scale.
+# Largest shear that is ignored. To test a matrix, its shear is removed. The matrix counts as one without shear if
+# none of its elements changes by more than this fraction of the matrix's largest scale factor.
 SHEAR = 1e-5
 
 
@@ -34,8 +35,9 @@ class Copy:
         """Returns the mesh of an object. Objects that share their mesh and materials also share the copy."""
         if key not in self.meshes:
             mesh = self.meshes[key] = bpy.data.meshes.new_from_object(thing)
-            # In Blender, a material belongs to the mesh or to the object. The object's slots list both kinds, so the
-            # exported mesh gets its materials from the slots.
+            # Gives the exported mesh the materials of the object. In Blender, a material can belong to the mesh or to
+            # the object that uses the mesh. The object's material slots list the materials of both kinds, so they are
+            # copied from there.
             for i, slot in enumerate(thing.material_slots):
                 mesh.materials[i] = slot.material and slot.material.original
             if self.layer.material_override:
@@ -96,10 +98,11 @@ def rename_nodes(path, names):
 def export(scene, camera, path):
     """Writes a scene to a .glb file as Blender renders it, with only this camera. Returns one line for each kind of
     content that postlens traces differently from Blender."""
-    # After a script has opened a file, Blender's context has no current window. In this case, the first window is used.
+    # The export needs a window. Usually this is the current one. But after a script has opened a file, Blender's
+    # context has no current window, so the first window is used.
     window = bpy.context.window or bpy.context.window_manager.windows[0]
-    # The export shows a copy of the scene in a window. Blender then replaces the local cameras of the window's 3D
-    # views by the scene's camera, so they are restored after the export.
+    # Finds the cameras that must be restored after the export. The export shows a copy of the scene in a window.
+    # While it does, Blender replaces the local cameras of this window's 3D views by the camera of the copied scene.
     spaces = [a.spaces.active for w in bpy.context.window_manager.windows for a in w.screen.areas]
     cameras = [(s, ("camera",)) for s in spaces if s.type == "VIEW_3D" and s.use_local_camera]
     copy = Copy(layer_of(scene))

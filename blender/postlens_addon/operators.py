@@ -141,8 +141,9 @@ class Pictures:
             return False
         if found:
             self.count += 1
-            # Only the last image may open a window. After earlier images, work continues, and the user can stop this
-            # Blender operator with Esc. A new window would receive that key instead.
+            # Shows the finished image. Only the last image may open a new window (`can_open`). After earlier images,
+            # work continues, and the user can stop it with Esc. A new window would take the keyboard focus from this
+            # window, so Blender would send Esc to the wrong window.
             is_last = self.count == len(self.job.frames)
             show(found[1], can_open=self.job.in_window and is_last)
         return True

@@ -15,8 +15,9 @@ SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "V
 # Largest margin that is rendered around the frame, as a fraction of the frame's shorter side. Light from beyond the
 # margin is estimated from pixels within it.
 WIDEST_MARGIN = 0.25
-# A second render shows the surfaces behind blurred objects. It leaves out objects in front of the focus whose circle of
-# confusion has at least this radius, in px.
+# Smallest radius, in px, of a circle of confusion that counts as blur. A second render shows the surfaces behind
+# blurred objects, so it leaves out these objects: those in front of the focus distance whose circle of confusion has
+# at least this radius.
 VISIBLE_RADIUS_PX = 1.0
 
 
@@ -110,8 +111,9 @@ def pinhole(scene, camera, film, vectors):
         (render, ("resolution_x", "resolution_y", "resolution_percentage", "use_motion_blur", "filepath", "use_stamp",
                   "use_file_extension", "use_overwrite", "use_compositing", "use_sequencer", "use_single_layer")),
         (render.image_settings, image),
-        # When the file format changes, Blender also changes the colour space of the file. So the colour space is
-        # restored too.
+        # These lines list the scene's settings that are changed for the render and restored afterwards. When the file
+        # format changes, Blender also changes the colour space in which the file is written. Therefore, the colour
+        # space, `linear`, is in the list too.
         (linear, ("name",) if render.image_settings.color_management == "OVERRIDE" and linear.name else ()),
         (data, ("sensor_fit", "sensor_width", "sensor_height", "shift_x", "shift_y")),
         (data.dof, ("use_dof",)),
@@ -120,8 +122,10 @@ def pinhole(scene, camera, film, vectors):
         *((other, ("use",)) for other in scene.view_layers),
     ):  # fmt: skip
         scene.camera = camera
-        # Blender states the camera's shift as a fraction of the image's larger side. The larger side may be another
-        # one after the margin is added. So the shift is converted to a fraction of the new width.
+        # Converts the camera's shift. Blender states it as a fraction of one side of the image, usually the larger.
+        # Here, the image gets a margin, and the shift must be a fraction of the new width (sensor_fit is set to
+        # HORIZONTAL below). Therefore, the shift is multiplied by `larger`, the former side in px, and divided by the
+        # new width.
         larger = max(render.resolution_x, render.resolution_y) * render.resolution_percentage / 100
         if data.sensor_fit != "AUTO":
             larger = render.resolution_x if data.sensor_fit == "HORIZONTAL" else render.resolution_y

@@ -14,8 +14,9 @@ from .rendered import rendered
 
 # Fraction of a frame's progress bar for each of its two renders.
 RENDER_SHARE = 0.4
-# Longest time, in seconds, for which `survey` works without a pause. It visits all frames before they are rendered, and
-# Blender's window can respond only in its pauses.
+# Before frames are rendered, the function `survey` visits all of them to find the margin that their lenses need.
+# Blender's window cannot respond while it works. Therefore, it pauses regularly. This constant is the longest time
+# between two pauses, in seconds.
 SURVEY_S = 0.1
 
 
@@ -50,8 +51,9 @@ class Job:
 
     def run(self, frame, words):
         """Runs a command and keeps its warnings. This generator yields while the command runs."""
-        # postlens takes # and % in a path for placeholders of frame numbers. It therefore runs inside the folder, and
-        # gets only file names without the path.
+        # Runs postlens inside the folder of the job, with file names that do not contain this folder's path. In a
+        # path, postlens would interpret # and % as placeholders for frame numbers, and the folder's name may contain
+        # these characters.
         folder = os.path.join(self.folder, "")
         names = [word.removeprefix(folder) for word in words]
         said = yield from command.run(self.program, names, self.folder, self.cancelled)

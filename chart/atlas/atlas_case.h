@@ -13,8 +13,9 @@
 namespace postlens {
 
 struct AtlasTrace {
-    /// If true, the sample file is traced so that it contains all surfaces which the test image's lens and
-    /// shutter need. If false, it is traced with default settings, and hidden surfaces may be missing.
+    /// States how the sample file of the test image is traced. If true, it is traced for the lens and the
+    /// shutter of the test image, so it contains all surfaces that they can see. If false, it is traced with
+    /// default settings, so hidden surfaces may be missing.
     bool for_view = true;
     std::optional<double> for_f_number;  ///< f-number for which to trace, if it is not that of the view
     /// Focus distance for which to trace, m. If absent, the image's.
@@ -28,10 +29,11 @@ struct AtlasTrace {
 };
 
 struct AtlasMethod {
-    /// Name of the method that makes the image.
+    /// Name of the method that makes the test image. Which methods are possible depends on whether the case
+    /// has a lens (depth of field), a shutter (motion blur) or both:
     /// - With a lens: pinhole, scatter, layers, lightfield, hybrid.
     /// - With a shutter: convolve, lightfield, auto.
-    /// - With lens and shutter: lightfield, hybrid, focus-after-shutter.
+    /// - With both: lightfield, hybrid, focus-after-shutter.
     /// - In any case: rays (distributed ray tracing).
     std::string name;
     std::optional<int> views, depths;
@@ -57,8 +59,9 @@ struct AtlasCase {
     ChartRequest view;   ///< scene, camera, lens, shutter and samples per pixel of the reference
     AtlasMethod method;  ///< the method under test
     std::optional<AtlasMethod> remedy;  ///< a method that is correct where `method` fails
-    /// The test case expects an error of the method, with the cause `cause`. The test fails if
-    /// find_error_causes attributes less than this fraction (0 to 1) of the error to this cause.
+    /// Smallest fraction of the method's error, from 0 to 1, that must be attributed to the cause `cause`.
+    /// Each test case expects an error with this cause. The function find_error_causes analyses the error,
+    /// and the test fails if it attributes less than this fraction to `cause`.
     double named_at_least = 0;
 };
 
@@ -66,8 +69,9 @@ struct AtlasCause {
     std::string word, meaning;
     std::string source;  ///< what the error comes from, in a few words
 };
-/// Returns the causes of error that test cases (docs/failures.md) may expect, in the order of that page. The
-/// last, "none", is for test cases without an expected error.
+/// Returns the list of causes of which a test case may name one as the expected cause of the method's error.
+/// They are in the order of docs/failures.md, where they are described. The last cause, "none", is for test
+/// cases in which no error is expected.
 [[nodiscard]] const std::vector<AtlasCause>& atlas_causes();
 
 /// Reads a case from a TOML file. Throws Error(invalid_input) "FILE:LINE:COLUMN: ...".

@@ -26,8 +26,10 @@ struct AtlasRun {
 /// run_atlas's output folder.
 [[nodiscard]] std::filesystem::path atlas_strip(const std::string& name);
 
-/// Runs all test cases in the folder `cases`. Writes the results (cases/NAME.json) and the pictures
-/// (atlas_strip(NAME)) into `folder`. Keeps earlier results with the same atlas_key, unless `restart` is set.
+/// Runs all test cases in the folder `cases`. For each case NAME, writes the result to cases/NAME.json and a
+/// picture to atlas_strip(NAME), both within `folder`. An earlier result in `folder` is kept if it has the
+/// same atlas_key, i.e. if nothing has changed on which it depends. If `restart` is true, all cases are run
+/// again.
 ///
 /// Throws the errors of read_atlas_case and run_atlas_case, and Error(interrupted).
 [[nodiscard]] AtlasRun run_atlas(const std::filesystem::path& cases, const std::filesystem::path& folder,

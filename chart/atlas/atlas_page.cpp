@@ -80,8 +80,9 @@ std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     return out;
 }
 
-/// Returns the caption of a test case: scene, camera, percentage of pixels that the blur changes, and
-/// fraction of the method's error that is due to the expected cause.
+/// Returns the caption of a test case in the document. It states the scene and the camera, the percentage of
+/// pixels that differ from the pinhole image (that is, which the blur changes), and the percentage of the
+/// method's squared error that is due to the expected cause.
 std::string caption(const AtlasEntry& e) {
     const double affected = 100 * e.result.affected_share;
     std::string out =

@@ -8,8 +8,9 @@
 
 namespace postlens {
 
-/// Returns the atlas as Markdown: the introduction, a table of all cases, and the cases grouped by cause of
-/// error.
+/// Returns a Markdown page about the atlas, a collection of scenes in which rendering methods may fail. `run`
+/// contains its test cases and their results. The page consists of an introduction, a table of all cases, and
+/// a section for each cause of error with the cases that have it.
 [[nodiscard]] std::string atlas_markdown(const AtlasRun& run);
 
 /// Returns the images and results of all test cases as one HTML page with embedded images, otherwise like

@@ -1,5 +1,5 @@
-// Makes the image of one method for a case of the atlas, and collects its warnings. The atlas is a collection
-// of scenes with which methods are tested.
+// Makes the image of one method for a case of the atlas, and collects the warnings that occur. The atlas is a
+// collection of scenes with which methods are tested and in which some of them fail.
 #pragma once
 
 #include <filesystem>
@@ -20,8 +20,9 @@ struct AtlasPicture {
 [[nodiscard]] TraceSettings atlas_trace_settings(const AtlasTrace& trace, const ChartRequest& request,
                                                  const ChartView& view);
 
-/// Makes the image of `method` for the lens, shutter and camera in `view`. Reads the sample file `file`,
-/// unless the method is "rays". Temporary files are written beside `file`. Throws Error.
+/// Makes an image for a test case. `method` is the method to use, and `view` contains the lens, shutter and
+/// camera. The image is made from the sample file `file`, unless the method is "rays", which traces rays into
+/// `scene`. Temporary files are written to the folder of `file`. Throws Error.
 [[nodiscard]] AtlasPicture atlas_picture(const AtlasMethod& method, const ChartRequest& request,
                                          const ChartView& view, const Scene& scene,
                                          const std::filesystem::path& file);

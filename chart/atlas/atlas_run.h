@@ -1,4 +1,6 @@
-// Runs a case of the atlas of failures: traces its scene, makes the images, and compares them to a reference.
+// Runs one case of the atlas, a collection of scenes in which rendering methods may fail. For this, the scene
+// of the case is traced, images are made by the methods under test, and these images are compared with a
+// reference.
 #pragma once
 
 #include <filesystem>
@@ -27,8 +29,8 @@ struct AtlasResult {
     double pinhole_db = 0, noise_db = 0, affected_share = 0;
     AtlasFigures method;
     std::optional<AtlasFigures> remedy;
-    /// Fraction, 0 to 1, of the method's error that has the cause which the test case expects. Absent if the
-    /// test case expects no error.
+    /// Each test case may expect an error of the method and name its cause. This is the fraction of the
+    /// error, from 0 to 1, that has this cause. It is absent if the test case expects no error.
     std::optional<double> named_share;
     std::string named_most;  ///< the cause to which most of the error is attributed
 };
@@ -37,10 +39,12 @@ struct AtlasResult {
 /// version.
 [[nodiscard]] std::string atlas_key(const AtlasCase& c);
 
-/// Runs one atlas case. Temporary files are written to `folder`, which must exist. Throws Error.
+/// Runs one case of the atlas, a collection of scenes in which a rendering method may fail. Temporary files
+/// are written to `folder`, which must exist. Throws Error.
 ///
-/// Unless `strip` is empty, a picture with the images side by side is written there: method, remedy (a
-/// correct method), reference, and the method's error map.
+/// If `strip` is not empty, a picture is written to this path. It shows side by side the images of the
+/// method, of the remedy (a method that is correct there) and of the reference, and then the method's error
+/// map.
 [[nodiscard]] AtlasResult run_atlas_case(const AtlasCase& c, const std::filesystem::path& folder,
                                          const std::filesystem::path& strip = {});
 

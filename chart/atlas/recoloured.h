@@ -1,5 +1,5 @@
-// Replaces the radiance in a sample file by the pixels of a motion-blurred image. A method then adds the blur
-// of a lens.
+// Makes a sample file from which a method adds lens blur to an image that already has motion blur. For this,
+// the radiance of the file's records is replaced by the colours of the motion-blurred image's pixels.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,9 @@
 
 namespace postlens {
 
-/// Writes a sample file `path` with the surfaces in `file` that the pinhole sees directly. Their colours come
-/// from `image`, which must be of equal size. Throws Error.
+/// Writes a sample file to `path`. It contains those surfaces of the sample file `file` that the pinhole sees
+/// directly. Their colours are replaced by those of the image `image`, which must have the size of `file`.
+/// Throws Error.
 void write_recoloured(const SampleFileReader& file, const Image& image, const std::filesystem::path& path);
 
 }  // namespace postlens

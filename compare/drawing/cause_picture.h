@@ -6,8 +6,8 @@
 
 namespace postlens {
 
-/// Returns the sRGB colour of a cause, in images and in the viewer. The colours are those of Okabe and Ito,
-/// which colour-blind readers can distinguish.
+/// Returns the sRGB colour that stands for a cause of error in images and in the viewer. The colours are
+/// those of Okabe and Ito, because colour-blind readers can distinguish them.
 [[nodiscard]] std::array<std::uint8_t, 3> cause_colour(ErrorCause cause);
 
 /// Draws where an image is wrong, over the grey reference. The colour of a pixel stands for the cause of its

@@ -33,8 +33,9 @@ std::vector<Rgb8> viridis() {
     return out;
 }
 
-// Returns the position, 0 to 1, of a difference on the logarithmic colour scale of the error map. `steps` is
-// the difference in steps of 8-bit sRGB (1/255).
+// Returns the position of an error on the colour scale of the error map, from 0 (the smallest error shown) to
+// 1 (the largest). The scale is logarithmic. `steps` is the error, the difference between two pixels, in
+// steps of 8-bit sRGB (1/255).
 double place(double steps) {
     const double whole = std::log(map_greatest_steps / map_least_steps);
     return std::clamp(std::log(std::max(steps, map_least_steps) / map_least_steps) / whole, 0.0, 1.0);

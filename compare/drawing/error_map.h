@@ -5,12 +5,14 @@
 
 namespace postlens {
 
-/// The error map shows errors as colours, on a logarithmic scale with these limits in 8-bit steps (1/255 in
-/// sRGB). The limits are fixed, so that maps can be compared.
+/// Limits of the colour scale of an error map, which shows the error of each pixel as a colour. The scale is
+/// logarithmic. The limits are stated in steps of 8-bit sRGB (1/255 of the range). They are the same for all
+/// maps, so that maps can be compared.
 inline constexpr double map_least_steps = 0.1, map_greatest_steps = 255;
 
-/// Returns the size of the `error_map` of images of size `pictures`. The legend makes it higher and, for
-/// narrow images, wider.
+/// Returns the size, in px, of the image that `error_map` draws for compared images of the size `pictures`.
+/// It is larger than they are, because a legend (the scale of the error's colours) is added. The legend makes
+/// the map higher and, for narrow images, wider.
 [[nodiscard]] ImageSize error_map_size(ImageSize pictures);
 
 /// Draws each pixel's largest channel difference in sRGB on a logarithmic scale, with a legend. NaN and

@@ -17,12 +17,13 @@ constexpr double narrowest_coc_px = 0.7;
 /// Tested blur diameters increase in steps of 0.5 px up to 8 px. Above 8 px, each is 1/16 larger than the one
 /// before.
 constexpr double step_px = 0.5, even_to_px = 8;
-/// The search compares images of many lenses with the given image, on at most this many pixels. More would
-/// not help, because apertures are tested only in steps of about 10 %.
+/// Largest number of pixels on which the search compares an image of each tested lens with the given image.
+/// More pixels would make the error of a lens more accurate. But this would not help, because apertures are
+/// tested only in steps of about 10 %, which limits the accuracy of the result.
 constexpr std::size_t most_pixels = 12000;
-/// To find a lens, its image is compared with the given image. Differences above this limit count linearly,
-/// not quadratically (Huber loss): beside depth edges, the rough blur model itself causes differences of this
-/// size.
+/// To find a lens, images of many lenses are compared with the given image. Differences above this limit
+/// count linearly instead of quadratically (Huber loss). The reason is that the rough blur model itself
+/// causes differences of this size beside depth edges, which should not dominate the error.
 constexpr double linear_from = 0.1;
 
 /// Luminances and inverse depths (1/m) of a downscaled image: means of `factor` x `factor` pixels.
@@ -151,11 +152,13 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
     const double nearest = depths.nearest(), farthest = depths.farthest();
     const double span = std::max(nearest - farthest, 0.1 * nearest);
     const double gain_px = header.film_distance_mm / header.pixel_pitch_mm / factor;
-    // The tested focus distances lie in the scene's range of depths, or beyond it by up to half its length.
-    // All of these are inverse distances.
+    // `first_focus` and `last_focus` are the limits of the tested focus distances, stored as inverse
+    // distances in 1/m. The scene's inverse depths extend from `farthest` to `nearest`, a range of length
+    // `span`. The tested range extends beyond it by span / 2 at both ends, but not below 0 (infinity).
     const double first_focus = std::max(0.0, farthest - span / 2), last_focus = nearest + span / 2;
-    // With the nearest depth in focus, the smallest tested aperture blurs the farthest depth by 0.7 px, and
-    // the largest by a quarter of the image width.
+    // `place` returns the lens of the search grid with the aperture number i and the focus number k. The
+    // apertures are chosen by their blur: if the nearest depth is in focus, the smallest aperture blurs the
+    // farthest depth by 0.7 px, and the largest aperture blurs it by a quarter of the image width.
     const auto place = [&](int i, int k) {
         const double coc_px = narrowest_coc_px * std::pow(largest_px / narrowest_coc_px,
                                                           static_cast<double>(i) / (aperture_steps - 1));
@@ -177,8 +180,10 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
             bool least = true;
             for (int a = std::max(0, i - 1); a <= std::min(aperture_steps - 1, i + 1); ++a) {
                 for (int b = std::max(0, k - 1); b <= std::min(focus_steps - 1, k + 1); ++b) {
-                    // A lens is a minimum if no neighbour in the search grid has a smaller error. Of equal
-                    // neighbours, only the first counts.
+                    // A lens of the search grid, with the indices i (aperture) and k (focus), is a local
+                    // minimum if none of its neighbours (a, b) has a smaller error. Among neighbours with
+                    // equal errors, only the first in the grid is a minimum. Therefore, the comparison is
+                    // strict for the neighbours before it, and not strict for the others.
                     const bool before = a < i || (a == i && b < k);
                     least = least && (before ? at(i, k) < at(a, b) : at(i, k) <= at(a, b));
                 }

@@ -13,14 +13,16 @@
 namespace postlens {
 namespace {
 
-/// Blur kernels are computed for this many depths. With fewer, a slight change of aperture or focus distance
-/// would change the computed image in jumps, which disturb the fit.
+/// Number of depths for which blur kernels are computed. It must be large: with few depths, a slight change
+/// of the aperture or of the focus distance would change the computed image in jumps, and a fit that uses
+/// derivatives would fail.
 constexpr int levels = 256;
 /// Fraction by which the aperture is increased and decreased for numerical derivatives of the image.
 constexpr double aperture_step = 0.03;
 constexpr std::size_t grain = 4096;
-/// Number of computed images to keep, enough for two lenses. Each lens needs five images: its own, and four
-/// with a changed aperture or focus distance for the numerical derivatives.
+/// Number of computed images that are kept for reuse. It suffices for two lenses. Each lens needs five
+/// images: its own, and four for the numerical derivatives, in which the aperture or the focus distance is
+/// slightly larger or smaller.
 constexpr std::size_t most_kept = 10;
 
 double rms(const std::vector<double>& residuals) {
@@ -66,8 +68,9 @@ const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place
     }
     throw_if_interrupted();
     FocusSettings s;
-    // At a fixed field of view, blur depends only on the aperture diameter, focal length / f-number. So any
-    // focal length gives the same image, here 1000 mm.
+    // Sets the focal length (in mm) and the f-number. If the field of view is fixed, the blur depends only on
+    // the diameter of the aperture, which is focal length / f-number. Therefore, every focal length gives the
+    // same image if the diameter is the same. 1000 mm is used.
     s.lens = {1000, 1000 / place.aperture_mm};
     s.focus_distance_m = place.inverse_focus_per_m > 0 ? 1 / place.inverse_focus_per_m
                                                        : std::numeric_limits<double>::infinity();

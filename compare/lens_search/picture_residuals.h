@@ -1,5 +1,6 @@
-// Computes the differences between a given image and the image that `focus` makes with a lens. Also computes
-// their derivatives with respect to aperture and focus distance.
+// Computes the residuals of a lens fit, i.e. the differences between a given image and the image that the
+// command `focus` makes with a lens. Also computes how these residuals change with the aperture and the focus
+// distance (derivatives), which the fit needs.
 #pragma once
 
 #include <deque>
@@ -14,13 +15,15 @@
 
 namespace postlens {
 
-/// Residuals of a lens fit: differences between a computed image and the given image, one per selected pixel.
-/// The images are compared by `picture_tone`, a logarithmic brightness. Differences above `linear_from` count
-/// linearly (Huber loss).
+/// Residuals of a lens fit, i.e. the differences between a computed image and the given image, one for each
+/// selected pixel. The images are compared by `picture_tone`, a logarithmic brightness. The residuals are
+/// minimised in the mean square. But differences above `linear_from` count only linearly (Huber loss), so
+/// that a few large differences do not dominate.
 class PictureResiduals {
   public:
-    /// Compares `picture` with images made from `file`, which must outlive this object. `expected_pictures`
-    /// is the number of images to be computed, for the progress display.
+    /// Prepares the comparison of the given image `picture` with images that are made from the sample file
+    /// `file` with the impulse response `impulse`. `file` must outlive this object. `expected_pictures` is
+    /// the estimated number of images that will be computed. It is used only to display progress.
     PictureResiduals(const SampleFileReader& file, const Image& picture, const Impulse& impulse,
                      std::uint64_t expected_pictures);
 
@@ -30,16 +33,19 @@ class PictureResiduals {
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 
-    /// Makes the image for the aperture and focus distance in `place`. Writes its residuals to `out`, one per
-    /// selected pixel.
+    /// Makes the image for the lens `place`, i.e. for its aperture and focus distance. Writes to `out` the
+    /// residuals of this image: for each selected pixel, the difference between its logarithmic brightness
+    /// and that of the given image. Differences above `linear_from` count linearly (Huber loss).
     void at(const LensPlace& place, double* out, double linear_from);
-    /// Writes the derivatives of each pixel's residual with respect to the logarithm of the aperture and to
-    /// the inverse focus distance. They are computed numerically: the inverse focus distance is changed by
-    /// plus and minus `focus_step_per_m`.
+    /// Writes to `out` two derivatives of each pixel's residual, which the fit needs: with respect to the
+    /// logarithm of the aperture and to the inverse focus distance. They are computed from images for
+    /// slightly changed lenses. `focus_step_per_m` is the change of the inverse focus distance, in 1/m, and
+    /// is added and subtracted. Residuals above `linear_from` count linearly.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// Both write the residuals between an image and the given picture. For `of`, this image is `image`. For
-    /// `of_even`, it is uniform, with the picture's median brightness; these residuals measure the picture's
-    /// contrast.
+    /// These two functions write to `out` the residuals (differences in each selected pixel) between an image
+    /// and the given picture to which a lens is fitted. The function `of` uses the image `image`. The
+    /// function `of_even` uses a uniform image, whose brightness is the median of the given picture. Its
+    /// residuals therefore measure the contrast of this picture.
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 
@@ -57,8 +63,9 @@ class PictureResiduals {
 
     const SampleFileReader& file_;
     Impulse impulse_;
-    /// Cache of the last computed images, each with its aperture and focus distance, newest last. The fit
-    /// often needs an image again.
+    /// Cache of the images that the lens fit computed last, because it often needs the same image again. Each
+    /// entry contains the lens (aperture and focus distance) and the image's tones, i.e. the logarithmic
+    /// brightness of each pixel. The newest entry is the last.
     std::deque<std::pair<LensPlace, Tones>> focused_;
     Tones wanted_;
     std::vector<std::size_t> used_;

@@ -1,5 +1,5 @@
-// To fit a lens, images of lenses are compared with a given image. They are compared on this brightness scale
-// (tone).
+// Brightness scale (tone) on which images are compared when a lens is fitted to a given image. Each image
+// that is computed for a lens is converted to this scale and compared with the given image.
 #pragma once
 
 #include <algorithm>

@@ -9,8 +9,9 @@
 
 namespace postlens {
 
-/// Range of inverse depths (1/m) of the directly visible surfaces in each pixel and on its border, row by
-/// row.
+/// Range of depths in each pixel, stored as inverse depths in 1/m, row by row. For each pixel, it contains
+/// all surfaces that the pinhole sees directly in the pixel or on its border. Surfaces that are seen by
+/// reflection or refraction are not included.
 struct RecordedDepths {
     int width = 0, height = 0, overscan_px = 0;
     std::vector<float> nearest_per_m, farthest_per_m;  ///< largest and smallest; 0 where nothing was hit

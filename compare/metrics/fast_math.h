@@ -31,8 +31,9 @@ namespace postlens {
     const float log2 =
         e +
         2.885390082F * s * (1 + ss * (0.333333333F + ss * (0.2F + ss * (0.142857143F + ss * 0.111111111F))));
-    // Computes exp2(p) from p's integer part and a Taylor series of its fraction. A float near 1.5 * 2^23 has
-    // no fraction bits. So adding this number rounds p to an integer, which the sum's low bits contain.
+    // Computes exp2(p) from the integer part of p and a Taylor series of the rest. To split p, `rounder` =
+    // 1.5 * 2^23 is added. A float of this size has no bits for fractions, so the addition rounds p to an
+    // integer. This integer is then in the low bits of the sum, `shifted`.
     constexpr float rounder = 12582912.0F;
     const float p = exponent * log2, shifted = p + rounder;
     const float f = (p - (shifted - rounder)) * 0.693147181F;

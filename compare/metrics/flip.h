@@ -24,9 +24,10 @@ struct FlipExposures {
 };
 
 /// Returns the exposures at which HDR-FLIP compares images with `reference`, about one per stop
-/// [andersson2021, sec. 3]. The tone curve shows the reference's greatest luminance as 0.85 at the exposure
-/// `start`. It shows the median luminance as 0.85 at `stop`.
-/// - `white_luminance`: if given, replaces the greatest luminance, and 0.18 replaces the median
+/// [andersson2021, sec. 3]. They extend from `start` to `stop`. At `start`, the tone curve shows the greatest
+/// luminance of the reference as 0.85. At `stop`, it shows the median luminance as 0.85.
+/// - `white_luminance`: if given, this luminance is used instead of the greatest, and 0.18 instead of the
+///   median
 [[nodiscard]] FlipExposures flip_exposures(const Image& reference, const PixelMask& usable,
                                            std::optional<double> white_luminance = std::nullopt);
 

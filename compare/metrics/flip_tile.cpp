@@ -7,8 +7,9 @@
 #include "compare/metrics/fast_math.h"
 #include "core/multiversion.h"
 
-// States that the arrays in the following loop do not overlap. There are too many for the compiler to check
-// before vectorising.
+// Tells the compiler that the arrays in the next loop do not overlap in memory. The compiler can vectorise
+// the loop only if it knows this. It usually checks it by comparing addresses, but here there are too many
+// arrays for such a check.
 #if defined(__clang__)
 #define POSTLENS_PLANES_DO_NOT_OVERLAP _Pragma("clang loop vectorize(assume_safety)")
 #else
@@ -20,8 +21,9 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-// Tone curve of [narkowicz2016], an approximation of the ACES curve. The factor 0.6 of its argument matches
-// the exposures of both curves.
+// Coefficients of the tone curve of [narkowicz2016], which approximates the ACES tone curve by a quotient of
+// two polynomials: n for the numerator and d for the denominator. The argument is multiplied by 0.6, so that
+// both curves show the same exposure equally bright.
 constexpr double tone_n2 = 0.6 * 0.6 * 2.51, tone_n1 = 0.6 * 0.03;
 constexpr double tone_d2 = 0.6 * 0.6 * 2.43, tone_d1 = 0.6 * 0.59, tone_d0 = 0.14;
 
@@ -56,8 +58,10 @@ double sum_of(const std::vector<double>& taps) {
 }  // namespace
 
 FlipFilters::FlipFilters(double pixels_per_degree) {
-    // Contrast sensitivity of the eye for each colour channel: a Gaussian a sqrt(pi/b) exp(-pi^2 x^2 / b),
-    // with x in degrees. For blue-yellow, it is the sum of two [andersson2020, table 1 and eq. 4].
+    // Parameters of the contrast sensitivity of the eye for each opponent colour channel. The sensitivity is
+    // modelled by a Gaussian a sqrt(pi/b) exp(-pi^2 x^2 / b), where x is the angle in degrees. For the
+    // blue-yellow channel, it is the sum of two Gaussians, with a1, b1 and a2, b2 [andersson2020, table 1 and
+    // eq. 4].
     constexpr double b_achromatic = 0.0047, b_red_green = 0.0053;
     constexpr double a1 = 34.1, b1 = 0.04, a2 = 13.5, b2 = 0.025;
     // Width, in degrees, of the detector of edges and points, from peak to trough [andersson2020, sec. 4.2].
@@ -265,8 +269,9 @@ void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filter
 // becomes the greater of its old value and this error.
 POSTLENS_MULTIVERSION
 void raise_errors(const Seen& p, const Seen& q, TileChannel& errors) {
-    // Green and blue have the greatest colour distance. FLIP maps 0.4 times this distance to a colour error
-    // of 0.95.
+    // `greatest` is the greatest colour distance, which is that of green and blue. FLIP maps colour distances
+    // to colour errors from 0 to 1 by two straight lines. They meet at the distance `knee`, 0.4 times the
+    // greatest. There, the error is 0.95.
     const float greatest = colour_distance(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1}));
     const float knee = 0.4F * greatest;
     const float slope1 = 0.95F / knee, slope2 = 0.05F / (greatest - knee);

@@ -8,17 +8,19 @@
 
 namespace postlens {
 
-/// The filters of [andersson2020, sec. 4.1.1 and 4.2]. Each is the product of a filter along rows and one
-/// along columns, with 2 radius + 1 taps.
+/// Filters with which FLIP compares two images as the eye sees them [andersson2020, sec. 4.1.1 and 4.2]. Each
+/// filter is separable: it is the product of a filter along rows and a filter along columns. Each of these
+/// has 2 radius + 1 taps (weights).
 struct FlipFilters {
     int radius = 0;
-    /// Contrast sensitivity filters of the three opponent colour channels. The blue-yellow filter is a
-    /// weighted sum of two Gaussians. The taps of each filter sum to 1, except blue_yellow_1_column and
-    /// blue_yellow_2_column, which contain the weights.
+    /// Contrast sensitivity filters of the three opponent colour channels, which model how well the eye sees
+    /// details. Each filter is separable (rows, then columns). The filter of the blue-yellow channel is a
+    /// weighted sum of two Gaussians, 1 and 2. Their weights are multiplied into blue_yellow_1_column and
+    /// blue_yellow_2_column. The taps of every other filter sum to 1.
     TileChannel achromatic, red_green;
     TileChannel blue_yellow_1_row, blue_yellow_1_column, blue_yellow_2_row, blue_yellow_2_column;
-    /// Filters that detect edges and points: a Gaussian and its two derivatives. A derivative's positive taps
-    /// sum to 1, and its negative taps to -1.
+    /// Filters that detect edges and points. `gauss` is a Gaussian, `edge` its first derivative and `point`
+    /// its second derivative. The positive taps of a derivative sum to 1, and its negative taps sum to -1.
     TileChannel gauss, edge, point;
     explicit FlipFilters(double pixels_per_degree);
 };

@@ -14,8 +14,9 @@ namespace {
 constexpr int greatest_block_px = 16;
 constexpr std::size_t wanted_blocks = 64;
 
-// Sums over a block of pixels. A is the difference between image and first reference, in one channel of a
-// pixel. B is that between image and second reference.
+// Sums over a block of pixels, from which an image's error is estimated with two noisy references. A is the
+// difference between the image and the first reference, in one channel of a pixel. B is the difference
+// between the image and the second reference.
 struct Sums {
     double product = 0;     // A B
     double preference = 0;  // A^2 - B^2
@@ -33,10 +34,10 @@ struct BlockSums {
     std::size_t pixels = 0;
 };
 
-// Because sRGB encoding is nonlinear, it adds a bias b to the mean of noisy values. b is proportional to
-// their variance. For two noisy values r1 and r2 of a pixel, the mean of their encodings f1 and f2 has the
-// bias b. The encoding of their mean has only b / 2, because averaging halves the variance. So b is twice the
-// difference.
+// Estimates the bias b that noise causes, because the sRGB encoding is nonlinear: it shifts the mean of noisy
+// values in proportion to their variance. r1 and r2 are two noisy values of a pixel, and f1 and f2 are their
+// encodings. The mean of f1 and f2 has the bias b. The encoding of the mean of r1 and r2 has only the bias b
+// / 2, because averaging halves the variance. So b is twice the difference.
 double encoding_bias(float r1, float r2, float f1, float f2) {
     return 2 * (0.5 * (static_cast<double>(f1) + static_cast<double>(f2)) -
                 static_cast<double>(srgb_from_linear(0.5F * (r1 + r2))));

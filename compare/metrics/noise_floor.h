@@ -9,43 +9,47 @@
 
 namespace postlens {
 
-/// Estimate of an image's mean squared error against the truth T, from two noisy references R1 and R2. If
-/// their errors are independent with mean zero, (I - R1)(I - R2) has the same mean as (I - T)^2.
+/// Estimate of the mean squared error of an image I against the true image T, which is unknown. It uses two
+/// noisy references, R1 and R2. If the noise of the two is independent and has the mean zero, (I - R1)(I -
+/// R2) has the same mean as (I - T)^2. So the noise does not count as an error.
 struct NoisyError {
     double mse = 0;             ///< the estimate; may be negative; NaN if no pixel counts
     double standard_error = 0;  ///< standard error of mse
     /// Upper bound of the bias of `mse`, as an RMS error. sRGB encoding is nonlinear, so it shifts the mean
     /// of noisy values, which causes this bias.
     double bias_rms = 0;
-    /// Ends of the confidence interval of the image's RMS error. They are two standard errors below and above
-    /// the estimate, and further apart by the estimate's possible bias.
+    /// Lower and upper end of the confidence interval of the image's RMS error. They are two standard errors
+    /// below and above the estimate. Because the estimate may be biased (`bias_rms`), the interval is
+    /// extended at both ends by the possible bias.
     [[nodiscard]] double least_rms() const;
     [[nodiscard]] double greatest_rms() const;
-    /// Returns true if the confidence interval of the image's RMS error includes zero. Its upper end,
-    /// `greatest_rms`, is then only an upper bound of the error.
+    /// Returns true if the confidence interval of the image's RMS error begins at zero, so that the image may
+    /// have no error at all. In this case, the error itself is not known. The upper end of the interval,
+    /// `greatest_rms`, is then only an upper bound of it.
     [[nodiscard]] bool is_bound() const { return !(least_rms() > 0); }
 };
 
 struct NoiseFloor {
     double reference_mse = 0;  ///< error of one reference in sRGB values: mean (R1 - R2)^2 / 2
-    /// Noise of a single reference in scene-linear values: RMSE and relMSE that it would have against an
-    /// ideal reference without noise. relMSE divides each squared error by M^2 + 0.01, where M is the mean of
-    /// the two noisy references.
+    /// Noise of the references in scene-linear values. There are two references with independent noise, and M
+    /// is the mean of both. `reference_rmse` is the RMSE that one of them would have against an ideal
+    /// reference without noise. `reference_relmse` is its relMSE, for which each squared error is divided by
+    /// M^2 + 0.01.
     double reference_rmse = 0, reference_relmse = 0;
     NoisyError encoded;   ///< error of the image apart from the noise, in sRGB values
     NoisyError linear;    ///< the same in scene-linear values
     NoisyError relative;  ///< the same in scene-linear values, divided by M^2 + 0.01
-    /// Mean squared error against the first reference minus that against the second, divided by this
-    /// difference's standard error. If the image is equally close to both except for chance, it is standard
-    /// normal.
+    /// Tells which of the two references the image is nearer to. It is the image's mean squared error against
+    /// the first reference, minus that against the second, divided by the standard error of this difference.
+    /// If the image is equally close to both except for chance, it has a standard normal distribution.
     double preference = 0;
 };
 
-/// Estimates the image's errors over the pixels that `mask` counts, by comparing it with two noisy references
-/// (docs/compare.md). All images must have the same size.
+/// Estimates the errors of `image` apart from noise, by comparing it with two noisy references
+/// (docs/compare.md). Only pixels that `mask` counts are used. All images must have the same size.
 ///
-/// Standard errors come from sums over blocks of 16 x 16 px or less. They assume Gaussian errors that are
-/// independent between blocks.
+/// The standard errors of the estimates are computed from sums over blocks of at most 16 x 16 px. They are
+/// correct if the errors are Gaussian and independent between blocks.
 [[nodiscard]] NoiseFloor noise_floor(const Picture& image, const Picture& reference,
                                      const Picture& second_reference, const PixelMask& mask);
 

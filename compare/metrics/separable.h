@@ -25,8 +25,8 @@ void for_each_tile(int width, int height, const Body& body) {
     });
 }
 
-/// One channel of a tile (part of an image), row by row. A filter of radius r shrinks it by r px at each
-/// side.
+/// One channel of a tile, i.e. of a rectangular part of an image, stored row by row. A filter of radius r
+/// needs r px on each side of a pixel. Therefore, the filtered tile is smaller by r px on each side.
 using TileChannel = std::vector<float>;
 
 /// Filters a tile along rows: out[x] = sum_k taps[k] in[x + k]. Rows of `in` have tile_width + taps - 1

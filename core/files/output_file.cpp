@@ -90,8 +90,8 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
         // write permission is checked here.
         if (::access(target_.c_str(), W_OK) != 0) fail_to_write(target_, errno);
     }
-    // If `destination_` is a symbolic link, replaces it by the file to which the link leads. This file need
-    // not exist yet.
+    // Follows symbolic links. If `destination_` is a link, it is replaced by the path to which the link
+    // leads, so that the file is written there and the link stays. The file at this path need not exist yet.
     constexpr int most_links = 40;  // the limit of the operating system
     for (int links = 0; fs::is_symlink(fs::symlink_status(destination_, ec)); ++links) {
         if (links == most_links) fail_to_write(target_, ELOOP);
@@ -147,8 +147,10 @@ void OutputFile::commit() {
     fs::rename(temporary_, destination_, ec);
     if (ec) fail_to_write(target_, ec.value());
     committed_ = true;
-    // Flushes the folder, so that the new name survives a power failure. Ignores errors: the file is
-    // complete, and folders may be unreadable.
+    // The temporary file was just renamed to its final name. A file name is stored in the folder that
+    // contains the file, so this folder must be written to the disk too. Otherwise, the new name could be
+    // lost in a power failure. Errors are ignored: the file itself is complete, and some folders cannot be
+    // opened for reading.
     static_cast<void>(flush_to_disk(folder_of(destination_), O_RDONLY | O_DIRECTORY));
 }
 

@@ -10,8 +10,9 @@
 
 namespace postlens {
 
-/// A file that is being written. Write to `temporary_path()`, then call `commit()`. Otherwise the temporary
-/// file is removed and an older target stays. Symbolic links are followed.
+/// A file that is written completely or not at all. First, write to `temporary_path()`. Then call `commit()`,
+/// which replaces the target by this temporary file. Without this call, the temporary file is removed, and an
+/// older target stays. If the target is a symbolic link, the file to which it leads is replaced.
 ///
 /// The constructor throws Error(cannot_write) if the target cannot be written, before the contents are
 /// computed.

@@ -1,5 +1,6 @@
-// Names and lists the result tables of a sweep or chart in a folder. Each share (part of the work) writes one
-// table.
+// Names and lists the tables with the results of a sweep or chart. If several machines divide the work, each
+// of them computes a share of it. It writes a table of its own results to a folder, from which the tables are
+// later joined.
 #pragma once
 
 #include <filesystem>
