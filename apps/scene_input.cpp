@@ -8,8 +8,8 @@ namespace postlens {
 namespace {
 
 // Returns a unit of the scene (metres per unit or lumens per watt). It is the user's value `asked`, else the
-// value `of_trace` stored in the sample file, else 1. Throws if both are given and differ. New rays would
-// then hit surfaces that do not match those recorded in the file.
+// value `of_trace` stored in the sample file, else 1. Throws if both are given and differ, because
+// new rays would then hit surfaces that do not match those recorded in the file.
 double unit_of(const char* option, const std::optional<double>& asked,
                const std::optional<double>& of_trace) {
     if (asked && of_trace && *asked != *of_trace) {

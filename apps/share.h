@@ -46,8 +46,8 @@ struct AskedFor {
     };
     std::vector<Input> inputs;
     /// Returns the fingerprint of the command, JSON that identifies the result. It contains the version of
-    /// postlens, the options, and the SHA-256 of each input file. Two results with equal fingerprints are
-    /// equal. Throws Error(invalid_input) if an input file cannot be read.
+    /// postlens, the options, and the SHA-256 of each input file, so commands with equal fingerprints have
+    /// equal results. Throws Error(invalid_input) if an input file cannot be read.
     [[nodiscard]] nlohmann::ordered_json fingerprint(
         const std::function<std::string(const Input&)>& file_of = {}) const;
 };

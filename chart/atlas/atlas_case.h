@@ -60,8 +60,8 @@ struct AtlasCase {
     AtlasMethod method;  ///< the method under test
     std::optional<AtlasMethod> remedy;  ///< a method that is correct where `method` fails
     /// Smallest fraction of the method's error, from 0 to 1, that must be attributed to the cause `cause`.
-    /// Each test case expects an error with this cause. The function find_error_causes analyses the error,
-    /// and the test fails if it attributes less than this fraction to `cause`.
+    /// The test case expects an error with this cause. The function find_error_causes analyses the error, and
+    /// the test fails if less than this fraction is attributed to `cause`.
     double named_at_least = 0;
 };
 
