@@ -61,8 +61,9 @@ std::optional<RasterTangent> RasterMap::tangent(const RasterPoint& p, const glm:
                                                 const glm::dvec2& reach) const {
     const bool perspective = projection_ == Projection::perspective;
     if (!perspective && p.inverse_z == 0) return RasterTangent{p, {1, 0, slope.x}, {0, 1, slope.y}};
-    // `slope` is the surface's gradient of 1/z over the raster. An orthographic camera's motion matrix acts
-    // on z, so the gradient is converted to that of z.
+    // `slope` is the gradient of 1/z over the raster, where z is the surface's depth. A perspective camera's
+    // motion matrix `m` multiplies 1/z, so it needs this gradient. But an orthographic camera's matrix
+    // multiplies z. Its gradient is that of 1/z times -z^2, so `by_depth` is -z^2 in this case.
     const double z = perspective ? 1 : 1 / p.inverse_z, by_depth = perspective ? 1 : -z * z;
     const glm::dmat4& m = m_;
     const dvec4 depth = perspective ? m[3] : m[2];

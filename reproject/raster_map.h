@@ -39,10 +39,11 @@ class RasterMap {
     /// Maps a raster position and inverse depth to another instant. Returns nothing if the mapped point lies
     /// behind the camera.
     [[nodiscard]] std::optional<RasterPoint> operator()(const RasterPoint& p) const;
-    /// Linearises the motion around the surface point `p`. Returns nothing if a part of the surface would
-    /// move behind the camera.
-    /// - `slope`: gradient of inverse depth, per px
-    /// - `reach`: half the surface's size, in px
+    /// Linearises this map around the point `p` of a surface. The result gives the mapped point, and how it
+    /// changes per px in x and y on the unmapped surface. Returns nothing if the map would move a part of the
+    /// surface behind the camera.
+    /// - `slope`: gradient of the surface's inverse depth, in 1/m per px
+    /// - `reach`: half the surface's width and height, in px
     [[nodiscard]] std::optional<RasterTangent> tangent(const RasterPoint& p, const glm::dvec2& slope,
                                                        const glm::dvec2& reach) const;
     [[nodiscard]] const glm::dmat4& matrix() const { return m_; }
@@ -55,9 +56,10 @@ class RasterMap {
     bool identity_ = true;
 };
 
-/// Displacement of a surface point's image, in px, by the lens point `lens_px`: `(I / s - w) lens_px +
-/// offset_px`. I: unit matrix; s: focus distance, m; w: I / depth for a point seen directly, otherwise
-/// Record::w.
+/// Displacement of a surface point's image, in px, if the image is seen from a lens point instead of the
+/// pinhole. It is `(I / s - w) lens_px + offset_px`. I is the unit matrix, and s the focus distance in m. w
+/// is I / depth for a point seen directly. For a point seen by reflection or refraction, it is the matrix
+/// Record::w, in 1/m.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;
@@ -66,18 +68,21 @@ struct LensShift {
     [[nodiscard]] bool none() const { return *this == LensShift{}; }
 };
 
-/// Combines the motion of an object and the displacement of its image by the lens into one map. The object
-/// must be directly visible, because a reflection is displaced by another matrix, W. `motion` must belong to
-/// a perspective camera, unless `lens` causes no displacement.
+/// Returns one map that combines the motion of an object with the displacement of its image by a lens point.
+/// The object must be directly visible. For a reflection, the displacement does not depend on the depth, but
+/// on a matrix W that this map does not contain. `motion` must belong to a perspective camera, because an
+/// orthographic one is a pinhole; otherwise, `lens` must cause no displacement.
 [[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
 
-/// Returns the matrix from raster points to homogeneous camera coordinates, in m (x right, y up, looking
-/// along -z), at the frame's instant. With depth z, the raster point is (x, y, 1, 1/z) for a perspective
-/// camera, (x, y, z, 1) for an orthographic one.
+/// Returns the matrix that maps raster points to homogeneous camera coordinates at the frame's instant. The
+/// camera coordinates are in m, with x to the right and y up; the camera looks along -z. If a surface point
+/// lies at the raster position (x, y) and has the depth z, its raster point is (x, y, 1, 1/z) for a
+/// perspective camera and (x, y, z, 1) for an orthographic one.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
 
-/// The motions of all objects, as seen on the raster. They are read from the sample file's header;
-/// set_displacement and set_keys replace them.
+/// The motions of all objects, as maps from one instant to another on the raster. The constructor reads them
+/// from the header of the sample file. The functions set_displacement and set_keys replace the motion of
+/// single objects.
 class FrameMotion {
   public:
     explicit FrameMotion(const SampleHeader& header);

@@ -1,5 +1,6 @@
-// Interface to a ray tracer. A view is the image for one lens point and instant. Where the sample file does
-// not determine a view's colour, a traced ray replaces it.
+// Interface to a ray tracer that completes the views of a light field. A view is the image for one lens point
+// and instant. It is computed from the records of a sample file. Where these records do not determine the
+// colour of a view, the colour is computed by tracing a ray.
 #pragma once
 
 #include <array>
@@ -22,24 +23,26 @@ struct SightLine {
     glm::dvec2 place{0.5};      ///< position in the pixel, px, where the ray crosses the plane in focus
     glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
     double light_before = 0.5;  ///< share of the exposure that lies before the ray's instant, 0 to 1
-    /// Seed of the ray's random numbers. `set` numbers independent sets of rays. Within a set, rays that
-    /// differ in `view` have stratified samples of lights and scattering lobes.
+    /// These two numbers are the seed of the ray's random numbers. `set` is the number of a set of rays, and
+    /// the sets are independent of each other. `view` is the number of the ray within its set. Rays of one
+    /// set with different `view` sample lights and scattering lobes in a stratified way.
     std::uint32_t set = 0, view = 0;
 };
 
-/// Returns the ray through the centre of the lens and the raster position `at`, in px. Its instant is the
-/// middle of the exposure.
+/// Returns the ray that starts at the centre of the lens and passes through the raster position `at`, in px.
+/// The ray's instant is the middle of the exposure.
 inline SightLine line_through(const glm::dvec2& at) {
     const glm::dvec2 pixel = glm::floor(at);
     return {.x = static_cast<int>(pixel.x), .y = static_cast<int>(pixel.y), .place = at - pixel};
 }
 
-/// Bright radiance that traced rays must leave out. The lens's point spread function adds it to the image as
-/// highlights, so it would be counted twice.
+/// Describes the bright radiance that traced rays must leave out. This radiance belongs to highlights, which
+/// the lens's point spread function adds to the image separately. If traced rays included it too, it would be
+/// counted twice.
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
-    /// Returns whether the surface's radiance beyond `above` is left out of the traced radiance. An empty
-    /// function leaves nothing out.
+    /// Decides for which surfaces radiance above the limit `above` is left out of the traced radiance.
+    /// Returns true if this is so for the object `id`. If the function is empty, nothing is left out.
     /// - `path`: the reflections and transmissions by which the surface is seen
     /// - `parent_id`: the mirror or glass in which the surface is seen
     /// - `at`: raster position, in px, of a directly visible surface
@@ -64,23 +67,26 @@ class SightRays {
     SightRays(SightRays&&) = delete;
     SightRays& operator=(SightRays&&) = delete;
     virtual ~SightRays() = default;
-    /// Computes each ray's scene-linear RGB radiance. Leaves out surfaces' radiance above a limit, as
-    /// described by `less`: the lens's point spread function adds it to the image. Thread-safe; rays do not
-    /// affect each other's results.
+    /// Traces the rays `lines`, and stores the scene-linear RGB radiance of each ray in `radiance`. For the
+    /// surfaces described by `less`, radiance above a limit is left out, because the lens's point spread
+    /// function adds it to the image. Thread-safe. The result of a ray does not depend on the other rays.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// `trace` leaves out surfaces' radiance above a limit, as described by `less`. Computes only this part
-    /// of the radiance: for each ray lines[i], that of the surface of[i].
+    /// Computes the radiance that `trace` leaves out. `less` sets a limit, and for some surfaces `trace`
+    /// leaves out the radiance above it. For each ray lines[i], this function computes only this excess
+    /// radiance, and only from the surface of[i].
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
-    /// For each ray, computes the inverse depth of its hit on the object `id`, in 1/m, and the gradient of
-    /// inverse depth, in 1/m per px. 0 for a miss. Thread-safe. Only for static scenes.
+    /// For each ray, finds its hit on the object `id`, and stores three values: the inverse depth of the hit,
+    /// in 1/m, and the derivatives of the inverse depth along raster x and y, in 1/m per px. If a ray misses
+    /// the object, its values are 0. Thread-safe. Only for static scenes.
     virtual void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                                 std::span<glm::dvec3> inverse_z) const = 0;
-    /// True if all rays that reach a point of the object by `path`, a sequence of reflections and
-    /// transmissions, get the same radiance from it. False if its radiance is estimated from random samples
-    /// of lights or scattering lobes.
+    /// Returns true if the radiance of each point of the object `id` is computed exactly, so that all rays
+    /// that reach it by `path`, a sequence of reflections and transmissions, get the same value. Returns
+    /// false if the radiance is estimated from random samples of lights or scattering lobes, because it then
+    /// differs from ray to ray.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
     /// A pixel's reflections can be drawn from recorded patches (planar parts of surfaces), or computed by
     /// tracing a ray. Returns the number of patches up to which drawing is faster.

@@ -43,9 +43,10 @@ Material whitted_material(const MetallicRoughness& from) {
     m.ior = from.solid && from.alpha == 1 ? from.ior : 1;
     if (from.roughness > smoothest) {
         if (m.reflects()) m.reflection_exponent = m.shininess;
-        // If alpha is below 1, the part `through` of the light passes straight through the surface and must
-        // stay sharp. The one exponent of transmission applies to all transmitted light, so then none is
-        // blurred.
+        // Blurs the transmitted light of a rough surface by setting its exponent. A part of the transmitted
+        // light, `through`, passes straight through the surface if alpha is below 1, and this part must stay
+        // sharp. But a Material has only one exponent for all transmitted light. Therefore, if `through` is
+        // not 0, no transmitted light is blurred.
         if (through == 0 && m.transmission != dvec3(0)) m.transmission_exponent = m.shininess;
     }
     return m;

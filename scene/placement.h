@@ -20,9 +20,10 @@ struct Placement {
 /// A mirroring matrix gives a negative scale along x, and a singular matrix a scale of 0.
 struct Decomposed {
     Placement placement;
-    /// A Placement (translation, rotation, scale) cannot contain shear, so its matrix may differ from the
-    /// decomposed matrix. The error is the largest distance between corresponding columns, relative to the
-    /// longest column.
+    /// How far the matrix of `placement` differs from the matrix that was decomposed. They differ if the
+    /// latter contains shear, because a Placement consists only of a translation, a rotation and a scale. The
+    /// error is the largest distance between corresponding columns of the two matrices, divided by the length
+    /// of the longest column.
     double error = 0;
 };
 [[nodiscard]] Decomposed decompose(const glm::dmat4& m);

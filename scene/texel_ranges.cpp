@@ -7,9 +7,9 @@ namespace postlens {
 namespace {
 
 constexpr int first_square = 4;  ///< texels
-/// The colour range of a rectangle of texels combines the ranges of squares: single texels or precomputed
-/// squares of 4, 8, ... texels. These are so large that the rectangle is at most this many squares wide and
-/// high.
+/// To find the range of colours in a rectangle of texels, the ranges of squares that cover it are combined.
+/// The squares are single texels, or larger squares of 4, 8, ... texels whose ranges are precomputed. The
+/// smallest size is used for which the rectangle is at most this many squares wide and high.
 constexpr double most_across = 9;
 
 int place(double at, int count, bool wrap) {
@@ -74,9 +74,10 @@ ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x
     }
     const int width = level == 0 ? width_ : levels_[level - 1].width,
               height = level == 0 ? height_ : levels_[level - 1].height;
-    // For each position of a texel, finds the precomputed square of texels that contains it. Positions are
-    // wrapped, not indices of squares, because the last square of a row may contain fewer texels than the
-    // others.
+    // These functions return the column and the row of the precomputed square that contains a position, given
+    // in texels. If the image repeats, the position is first wrapped into the image. It would be wrong to
+    // wrap the square's index instead, because the last square of a row or column may contain fewer texels
+    // than the others.
     const auto column = [&](double x) { return static_cast<int>(place(x, width_, wrap_x) / edge); };
     const auto row = [&](double y) { return static_cast<int>(place(y, height_, wrap_y) / edge); };
     const auto squares = [](int first, int last, int count, bool wraps) {

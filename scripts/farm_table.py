@@ -109,9 +109,11 @@ def main():
         with open(at("whole.exr"), "rb") as a, open(at("merged.exr"), "rb") as b:
             if a.read() != b.read():
                 sys.exit(f"farm_table.py: {name}: the merged file is not the undivided one")
-        # The time of a merge is proportional to the total size of the merged files. A file with some of the samples
-        # (`by`) is as large as the image. So each such file takes a quarter of the time of merging four. Files with
-        # some of the rows are together as large as the image, so their number does not matter.
+        # Seconds that `merge` needs for each merged file. The time of a merge is proportional to the total size of its
+        # files. If each share renders some of the samples (`by`), every file is as large as the whole image. The time
+        # then grows with the number of files, so one file takes a quarter of the time measured for four. Otherwise,
+        # each share renders some of the rows. Together, its files are as large as one image, so their number does not
+        # matter.
         merge = of_four / 4
         per_part = merge if by else 0.0
 

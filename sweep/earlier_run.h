@@ -21,8 +21,11 @@ namespace postlens {
 /// Computes a key for each image from its settings and input files. Images with the same key are equal.
 class SweepKeys {
   public:
-    /// `exposure_stops` applies to all images of the sweep. `at` lists the raster positions, in px, at which
-    /// the circle of confusion is reported.
+    /// A sweep is a series of images of one sample file with different lens settings. A key is a hash of all
+    /// inputs of an image.
+    /// - `frame`: path of the sample file
+    /// - `exposure_stops`: exposure of all images of the sweep
+    /// - `at`: raster positions, in px, at which the circle of confusion is reported
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
     [[nodiscard]] std::string of(const SweepSetting& s) const { return key(s, predicted_); }

@@ -11,9 +11,10 @@
 
 namespace postlens {
 
-/// The values of each setting that varies in a sweep. Each list except `shutters` needs at least one value. A
-/// real lens (prescription) has its own focal length, used instead of `focal_lengths_mm`, and its own
-/// f-number, used if `f_numbers` is empty.
+/// A sweep makes an image for each combination of lens settings. Each list contains the values of one
+/// setting. Every list needs at least one value, with three exceptions. `shutters` may be empty. A real lens
+/// (prescription) has its own focal length, so `focal_lengths_mm` is not used. It also has its own f-number,
+/// which is used if `f_numbers` is empty.
 struct SweepAxes {
     std::vector<Impulse> impulses{Impulse{}};
     std::vector<TimeSpan> shutters;  ///< empty: no motion blur

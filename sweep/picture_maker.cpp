@@ -123,8 +123,9 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
     FocusResult r = focus_picture(frame_, focus);
     const FocusMethod method = r.method;
     MadePicture out = made(std::move(r), method_name(method));
-    // The error is predicted with a light field image as the reference. A pinhole image is more accurate than
-    // this reference, so its error is not predicted.
+    // Predicts the error of the image by comparing it with a light field image, the reference. A pinhole
+    // image is an exception. It is computed directly from the records and is more accurate than the
+    // reference, so the comparison would not show its error.
     if (method != FocusMethod::pinhole) predict(out, {.focus = focus});
     return out;
 }

@@ -65,8 +65,10 @@ struct MadePicture {
 /// hybrid_picture or auto_picture. A pinhole's image with a shutter is that of motion_blur.
 class PictureMaker {
   public:
-    /// Keeps a reference to `file`. Throws Error(wrong_arguments) if the method does not support a shutter,
-    /// and Error(invalid_input) if `paths` names an unknown object.
+    /// Prepares to make images from the sample file `file`, to which it keeps a reference. `with_shutter`
+    /// tells whether the images have motion blur. Throws Error(wrong_arguments) if motion blur is needed but
+    /// settings.method does not support it. Throws Error(invalid_input) if settings.paths, the motion of
+    /// objects, names an unknown object.
     PictureMaker(const SampleFileReader& file, PictureSettings settings, bool with_shutter);
     PictureMaker(const PictureMaker&) = delete;
     PictureMaker& operator=(const PictureMaker&) = delete;

@@ -218,8 +218,9 @@ class Sweep {
         return std::clamp<std::size_t>(bytes_together / (image.rgb.size() * sizeof(float) + 1), 1, most);
     }
 
-    /// In the background, writes an image and computes its row in the table of results. Cancelling the sweep
-    /// does not stop the writing, so finished images are kept.
+    /// Starts a background thread that writes the image number i to its file and computes its row in the
+    /// table of results. The user may cancel the sweep, which is the whole series of images. The thread
+    /// nevertheless completes its work, so that no finished image is lost.
     void start_finishing(std::size_t i, Making made, double pinhole_energy) {
         finishing_.push_back(
             {i, std::async(std::launch::async, [this, i, pinhole_energy, made = std::move(made)] {
@@ -276,8 +277,9 @@ class Sweep {
         return use(once);
     }
 
-    /// Returns the gradient energy (amount of detail) of the pinhole image with the same field of view. It is
-    /// compared with that of `made`.
+    /// Returns the gradient energy, a measure of the amount of detail, of the pinhole image that has the same
+    /// field of view as the image `made`. The pinhole image is sharp everywhere. The caller compares its
+    /// gradient energy with that of `made`, to show how much detail the lens blur removes.
     double pinhole_energy_for(const MadePicture& made) {
         const double zoom = made.geometry ? made.geometry->zoom : 1;
         const auto [known, is_new] = pinhole_energies_.try_emplace(zoom);
@@ -285,9 +287,11 @@ class Sweep {
             FocusSettings pinhole{.lens = {.focal_length_mm = 50, .f_number = HUGE_VAL},
                                   .method = FocusMethod::pinhole};
             if (zoom != 1) {
-                // The image `made` is magnified by the factor `zoom`, so the pinhole image must be too. With
-                // Framing::lens and a focus at infinity, the film distance equals the focal length, and
-                // determines the magnification.
+                // The lens magnifies the image `made` by the factor `zoom`, compared with the traced pinhole
+                // image. So that their gradient energies can be compared, the pinhole image is now magnified
+                // by the same factor. The film distance determines the magnification. With Framing::lens and
+                // a focus at infinity, it equals the focal length, which is therefore `zoom` times the traced
+                // film distance.
                 pinhole.framing = Framing::lens;
                 pinhole.lens.focal_length_mm = zoom * file_.header().film_distance_mm;
                 pinhole.focus_distance_m = HUGE_VAL;
@@ -316,8 +320,9 @@ class Sweep {
             settings_.picture.scene != nullptr ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
-        // The warning states errors of position in the image. They are proportional to gain times squared
-        // aperture radius, so the warning is computed only once for lenses with an equal product.
+        // The warning states how large errors of position in the image are. These errors are proportional to
+        // the squared aperture radius and to the gain, which is the film distance in px. Lenses with an equal
+        // product of both have the same errors, so the warning is computed only once for them.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);

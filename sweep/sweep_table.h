@@ -1,4 +1,6 @@
-// The table of a sweep, one row per image, as CSV and as JSON. A sweep resumes from the JSON table.
+// The table of a sweep, which is a series of images with different lens settings. The table has one row for
+// each image. It is written as CSV and as JSON. If a sweep was interrupted, a later run reads the JSON table
+// and makes only the images that are missing.
 #pragma once
 
 #include <filesystem>

@@ -60,8 +60,9 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         [&](std::size_t i) {
             const Patch& p = mesh.patches[i];
             swept[i] = sweep.of(mesh, p, instant);
-            // When a moving patch leaves its recorded position, it may uncover the background there. So this
-            // position is added to the area that the patch sweeps.
+            // A patch is a planar part of a surface. `swept` is the area that a patch covers in any view of
+            // the image. If its object moves, the patch may leave the position at which it was recorded and
+            // uncover the background there. Therefore, this recorded position is added to the area.
             PatchPlace recorded;
             if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
                 swept[i].add(covered(p, recorded));

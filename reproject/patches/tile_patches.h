@@ -44,8 +44,9 @@ class PatchBins {
     [[nodiscard]] int rows() const { return rows_; }
     /// Returns whether any recorded instant has reflected or transmitted surfaces.
     [[nodiscard]] bool trees() const { return trees_; }
-    /// Returns the indices of the directly visible patches (planar parts of surfaces) that some view may show
-    /// in the tile.
+    /// Returns the indices of the patches (planar parts of surfaces) that some view may show in the tile, a
+    /// square of the image. Only patches that are directly visible are returned, as recorded at the instant
+    /// with the index `instant`.
     [[nodiscard]] const std::vector<std::uint32_t>& primary(std::size_t instant, std::size_t tile) const {
         return primary_[instant][tile].patches;
     }
@@ -53,16 +54,19 @@ class PatchBins {
     /// rectangle `rect` of a tile. Empties the lists of reflected and transmitted patches; gather_chains
     /// fills them.
     void gather(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
-    /// Counts the patches (parts of surfaces) seen by reflection or transmission that may appear in the
-    /// rectangle `rect` of a tile. Returns whether any recorded instant has more than `most`.
+    /// Counts the patches (planar parts of surfaces) that are seen by reflection or transmission and may
+    /// appear in the rectangle `rect` of the tile. The patches of each recorded instant are counted
+    /// separately. Returns whether there are more than `most` for any instant.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
-    /// Adds the patches (parts of surfaces) that may be seen in `rect` by reflection or transmission. Patches
-    /// with the same sequence of bounces form a group; groups may be empty.
+    /// Adds to `out` the patches (planar parts of surfaces) that may be seen in the rectangle `rect` of the
+    /// tile by reflection or transmission. The patches are grouped by the sequence of reflections and
+    /// transmissions by which they are seen. A group may be empty.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:
-    /// The patches (planar parts of surfaces) that may appear in a tile, for any lens point or instant.
-    /// `pixels`: for each patch, the rectangle of pixels in which it may appear.
+    /// Lists the patches (planar parts of surfaces) that may appear in one tile of the image, for any lens
+    /// point and instant. For each element of `patches`, the element of `pixels` with the same index gives
+    /// the rectangle of the tile's pixels in which the patch may appear.
     struct Bin {
         struct Pixels {
             std::uint8_t x_first, x_last, y_first, y_last;

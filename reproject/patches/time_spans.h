@@ -1,5 +1,6 @@
-// Groups views (images for one lens point and instant) into short time spans. The positions of moving
-// surfaces are bounded by the first and last view of each span, which is faster than testing all views.
+// Groups views into short time spans. A view is the image for one lens point and instant. Moving surfaces
+// have another position in each view. To bound their positions, only the first and the last view of each span
+// are tested, because testing all views would take longer.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +19,10 @@ struct TimeSpanViews {
     ViewUse first, last;
 };
 
-/// Finds the views that show moving objects and are reprojected from the recorded instant `instant`. Groups
-/// these views by time. The result points into `field`.
+/// A view is the image for one lens point and instant. Views that show moving objects are reprojected from
+/// one or two recorded instants. This function finds those that use the recorded instant with the index
+/// `instant`, and groups them into short time spans. The result points into `field`, so `field` must outlive
+/// it.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

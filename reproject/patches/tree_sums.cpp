@@ -8,8 +8,10 @@
 namespace postlens {
 namespace {
 
-/// If a view lacks a reflected surface, the mean of the views that show it is used. If less than this
-/// fraction shows it, the radiance seen from the pinhole is blended into this mean.
+/// Each view (image for one lens point and instant) has a weight. If some views lack a reflected surface in a
+/// pixel, the mean of the views that show the surface replaces it there. But if the views that show the
+/// surface have less than this fraction of the weight of all views that need it, their mean is unreliable.
+/// Therefore, the radiance recorded for the pinhole is then blended into it.
 constexpr double enough_known = 0.25;
 
 }  // namespace

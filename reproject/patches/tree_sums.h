@@ -25,39 +25,46 @@ namespace postlens {
 /// nodes are also drawn where their parent is missing.
 class TreeSums {
   public:
-    /// Begins a tile (square of the image). `paths`: all sequences of reflections and transmissions that may
-    /// occur in it, in any order, possibly repeated.
+    /// Begins a tile (a square of the image), which lies at `at`. `paths` contains all sequences of
+    /// reflections and transmissions by which surfaces may be seen in the tile. They may be in any order, and
+    /// a sequence may occur several times.
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
-    /// Begins a view (image for one lens point and instant), separately for each recorded instant it uses.
+    /// Begins a view (image for one lens point and instant). A view may blend two recorded instants. It is
+    /// drawn once from each of them, so call this function once for each recorded instant that the view uses.
     /// - `deeper_mesh`: surfaces seen by reflection or transmission; may be null
     /// - `primary`: the surface that each pixel shows directly; must stay valid until all pixels are added
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// Call before drawing the surfaces that are seen by `path`, a sequence of reflections and transmissions.
-    /// Call for shorter paths first, because a mirror must be drawn before the surfaces seen in it. Stores in
-    /// `wanted` which pixels may show these surfaces, and returns the tile to draw into, or null if no pixel
-    /// may.
+    /// Prepares to draw the surfaces that are seen by `path`, a sequence of reflections and transmissions.
+    /// Sets `wanted` to the pixels that may show these surfaces. Returns the tile (square of the image) into
+    /// which they must be drawn, or null if no pixel may show them. A mirror must be drawn before the
+    /// surfaces seen in it, so call this function for shorter paths first.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
-    /// Returns whether recorded surfaces determine the reflected and refracted light of pixel k. For this,
-    /// all surfaces seen by reflection or refraction must be recorded, have no edge in the pixel, and be
-    /// reprojected accurately.
+    /// Returns whether the recorded surfaces determine the reflected and refracted light of pixel k. For
+    /// this, three conditions must hold for all surfaces seen there by reflection or refraction. They must be
+    /// recorded, they must have no edge in the pixel, and their images must be reprojected accurately.
     [[nodiscard]] bool sure(std::size_t k) const;
-    /// Returns the light of pixel k from reflections and refractions that are drawn as separate surfaces.
-    /// Call only if the records determine this light, i.e. sure(k) is true.
+    /// Returns the radiance that reaches the eye through pixel k from surfaces seen by reflection or
+    /// refraction. Only those that are drawn as separate surfaces are included, not those drawn as if painted
+    /// on a mirror or glass. Call only if sure(k) is true, because only then do the recorded surfaces
+    /// determine this light.
     [[nodiscard]] glm::dvec3 light(std::size_t k) const;
     void add(std::size_t k, double weight);
     /// Call after the last view, before sum_up.
     void end_views();
-    /// Adds the reflections and refractions in pixel k to `sum`, which stores radiance times `weight`.
-    /// Returns the summed weight of those views that lack a reflection or refraction. If the missing light is
-    /// darker than the pixel, its view counts less.
+    /// Adds the light of reflections and refractions in pixel k to `sum`, which stores the pixel's radiance
+    /// multiplied by `weight`, the summed weight of all views. Returns the summed weight of the views in
+    /// which a reflection or refraction is missing. If the missing light is darker than the pixel, the view
+    /// counts with less than its weight.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
     struct Sums {
-        /// Sum over all views that show the surface: radiance times the view's weight. The radiance includes
-        /// reflections that are drawn as if painted on the surface, not separately.
+        /// Sum over all views that show the surface in this pixel: the surface's radiance multiplied by the
+        /// view's weight. Some reflections are drawn as if painted on the surface, because they move almost
+        /// like it. Their radiance is included here. Reflections that are drawn as separate surfaces have
+        /// their own sums.
         std::array<double, 3> seen{};
         std::array<double, 3>
             instead{};  ///< weight times the pinhole's radiance, for views that lack the surface
@@ -88,12 +95,15 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// Pixel k lacks the mirror or glass seen by the path of `chain`, but may show surfaces seen in it. Adds
-    /// these surfaces to the pixel's sums, and returns whether there are any.
+    /// Pixel k of the current view should show a mirror or glass, `chain`, which is itself seen by reflection
+    /// or transmission. But the recorded surfaces do not show it there. They may still show surfaces that are
+    /// seen in it. This function adds these surfaces to the pixel's sums with the view's weight `weight`, and
+    /// returns whether there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Returns the id of the object, visible in pixel k, in which the surface seen by the path of `chain` is
-    /// reflected or transmitted. If this object is missing there, returns the id of the object before it on
-    /// the path, and so on.
+    /// The surface of `chain` is seen by a sequence of reflections and transmissions. Returns the id of the
+    /// mirror or glass in which pixel k shows this surface. If pixel k lacks this mirror or glass, returns
+    /// the id of the object in which the mirror or glass itself would be seen, and so on, up to the directly
+    /// visible object.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);

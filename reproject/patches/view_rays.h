@@ -17,8 +17,9 @@
 
 namespace postlens {
 
-/// The surfaces that one view (image for one lens point and instant) shows in a tile. `seen` has one
-/// SeenTile, or two if the view blends two recorded instants.
+/// The surfaces that one view shows in a tile of the image. A view is the image for one lens point and
+/// instant. `seen` tells which surface each pixel of the tile shows. It points to one SeenTile, or to two if
+/// the view blends two recorded instants.
 struct ShownView {
     const PatchField& field;
     const PatchView& view;
@@ -28,13 +29,15 @@ struct ShownView {
     [[nodiscard]] const PatchMesh& mesh(std::size_t u) const {
         return *field.instants[view.uses[u].instant].primary;
     }
-    /// Returns the id of the object that pixel `k` shows at a recorded instant. A view may blend two recorded
-    /// instants; `u` (0 or 1) selects one of them.
+    /// Returns the id of the object that pixel `k` of the view shows. A view may blend two recorded instants,
+    /// which may show different objects in the pixel. `u` (0 or 1) selects one of these instants.
     [[nodiscard]] std::uint32_t id(std::size_t u, std::size_t k) const {
         return mesh(u).id_of(seen[u].texel[k]);
     }
-    /// Returns the weight of the colour from recorded instant `u` (0 or 1) in pixel `k`. Of two different
-    /// surfaces, only the nearer counts, or the farther if the nearer one has_vague_outline.
+    /// A view may blend the colours from two recorded instants. Returns the weight, 0 to 1, of the colour
+    /// from instant `u` (0 or 1) in pixel `k`. If both instants show the same surface there, the weight is
+    /// Use::share. Otherwise, only the nearer of the two surfaces counts. But if has_vague_outline is true
+    /// for the nearer one, its outline may be wrong there, so only the farther one counts.
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;
@@ -44,17 +47,19 @@ struct ShownView {
         const std::size_t nearer = mine > other || (mine == other && u == 0) ? u : o;
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
-    /// A view may blend two recorded instants. Returns whether instant `u` (0 or 1) has the less precise
-    /// outline of the object in pixel `k`. The object appears smaller at this instant, so fewer samples
-    /// recorded its outline.
+    /// Returns whether the recorded instant `u` (0 or 1) has the less precise outline of the object in pixel
+    /// `k`. This matters if a view blends two recorded instants that show different surfaces in the pixel.
+    /// The outline is less precise at the instant at which the object appears smaller, because fewer samples
+    /// then recorded it.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Returns whether light through the lens point reaches pixel (x, y) of the tile. Otherwise, vignetting
     /// blocks it.
     [[nodiscard]] bool passes(int x, int y) const {
         return !view.passes || view.passes(at.x - field.x + x, at.y - field.y + y);
     }
-    /// Writes each member in place: a line that is built first and then copied stalls the processor, because
-    /// it loads values that it has only just stored.
+    /// Adds to `lines` the ray through pixel (x, y) of the tile. The new element is created in the list
+    /// first, and its members are then written in place. If the element were built outside the list and then
+    /// copied, the copy would read values just written, which stalls the processor.
     void add_line(int x, int y, std::vector<SightLine>& lines) const {
         SightLine& line = lines.emplace_back();
         line.x = at.x + x;
@@ -79,21 +84,25 @@ class RaySamples {
   public:
     LeftToRays left = LeftToRays::unsure;  ///< what rays replace in the tile
     bool parents_too = false;  ///< whether the samples of surfaces that reflect or transmit are rays
-    /// `with_trees`: number of samples that show a mirror or glass. `with_sure_trees`: number of those that
-    /// need no ray, because their reflections and refractions are recorded accurately.
+    /// Statistics about view samples, i.e. about what single views show in single pixels. `with_trees` counts
+    /// the samples that show a mirror or glass. `with_sure_trees` counts those among them that need no ray,
+    /// because all their reflections and refractions are recorded accurately.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};  ///< of the traced radiance
-    /// A view's colour comes from one recorded instant or is blended from two. Bits 0 and 1 of each pixel
-    /// stand for these instants. A set bit means that a ray replaces the instant's colour.
+    /// For each pixel: bits that tell which colours are replaced by a ray. A view's colour comes from one
+    /// recorded instant or is blended from two, instants 0 and 1. If bit 0 is set, a ray replaces the colour
+    /// from instant 0. Bit 1 does the same for instant 1.
     std::array<std::uint8_t, SeenTile::pixels> uses{};
 
-    /// Schedules rays for the pixels in which the directly visible surface is uncertain, for example at an
-    /// edge. If objects move, also schedules rays for all pixels with mirrors or glass, because a reflection
-    /// moves differently from its mirror.
+    /// Schedules a ray for each pixel in which the directly visible surface is uncertain, for example because
+    /// an edge crosses it. If objects move, also schedules a ray for each pixel that shows a mirror or glass,
+    /// because a reflection moves differently from its mirror. The scheduled rays replace the recorded
+    /// colours of these pixels.
     void set_aside(const ShownView& shown, LightSums& recorded);
-    /// Selects the pixels with mirrors or glass whose reflections or refractions are missing or inaccurate,
-    /// and adds a ray for each to the list. `trees` holds these reflections and refractions, as seen at
-    /// recorded instant `u` (0 or 1).
+    /// Schedules a ray for each pixel that shows a mirror or glass whose reflections or refractions are
+    /// missing or inaccurate. The ray replaces the recorded colour. `trees` holds the reflections and
+    /// refractions as they were recorded at the view's instant `u`, which is 0 or 1 because a view may blend
+    /// two recorded instants.
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
     /// Returns whether rays replace all samples of views in the tile.
     [[nodiscard]] bool whole_tile() const { return left != LeftToRays::unsure; }
@@ -113,17 +122,19 @@ class RaySamples {
     std::vector<std::array<float, 3>> radiance_;
 };
 
-/// Measures the error of recorded colours. Compares them with traced rays (check rays) in selected pixels,
-/// separately for single lens points and instants. The rays do not change the image.
+/// Measures the error of recorded colours by tracing rays (check rays) in selected pixels. Each check ray
+/// goes through the lens point of one view at the view's instant, and its radiance is compared with the
+/// colour that the view shows in the pixel. The rays do not change the image.
 class CheckedSamples {
   public:
     std::vector<PixelCheck> sums;  ///< per pixel
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
-    /// Stores the recorded colours of a view (image for one lens point and instant) in the pixels that
-    /// PatchViews::checked selects. Later, `check` compares them with rays. Call once for each recorded
-    /// instant `u` of the view.
+    /// Stores the colours of a view (image for one lens point and instant), so that `check` can compare them
+    /// with rays later. Only pixels that the function PatchViews::checked selects for this view are stored. A
+    /// view may be made from two recorded instants; call this function once for each of them.
     /// - `number`: index of the view in PatchViews::views
+    /// - `u`: which of the view's recorded instants, 0 or 1
     /// - `trees`: reflections and refractions; null if none are drawn
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);

@@ -13,8 +13,9 @@
 
 namespace postlens {
 
-/// A square of at most 16 x 16 px of the raster. It covers the columns [first_pixel, last_pixel) of a strip
-/// of the raster. The strip is `band_width` px wide and, like the square, `rows` px high.
+/// A square of the raster, at most 16 x 16 px. The raster is read in strips, which are `band_width` px wide
+/// and `rows` px high. The square has the same height as its strip, and covers the strip's columns
+/// [first_pixel, last_pixel).
 struct SheetSquare {
     int first_pixel = 0, last_pixel = 0, rows = 0;
     int band_width = 0;
@@ -28,13 +29,15 @@ struct LeafPiece {
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    /// How many ray hits on the surface `node` lists: 4, at the corners of this piece of a cell, or 1, at
-    /// (at_x, at_y) in px from the pixel's corner.
+    /// Number of ray hits on the surface that are listed in `node`. It is 4 if the rays through all corners
+    /// of this piece (a quadtree cell) hit the surface. It is 1 if the piece is only a quarter of a cell. The
+    /// single ray then passes through (at_x, at_y), in px from the pixel's corner.
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
-    /// True if this piece is a quarter of a quadtree cell that an edge crosses, and the surface may be absent
-    /// from the piece.
+    /// A piece is a quadtree cell that shows one surface, or a quarter of a cell. True if this piece is a
+    /// quarter of a cell that an edge crosses, so that the surface may be absent from a part or the whole of
+    /// the piece.
     bool maybe = false;
 };
 
@@ -48,9 +51,10 @@ class LeafPieces {
                const SampleHeader& header);
     /// Replaces the pieces by the pieces of a square.
     void collect(const SheetSquare& square);
-    /// Calls take(key, pieces) once for each surface in the square passed to `collect`, in ascending order of
-    /// keys. `pieces` are the quadtree cells, or quarters of cells, that show the surface. Call once after
-    /// each `collect`.
+    /// Calls take(key, pieces) once for each surface in the square of the raster that was passed to
+    /// `collect`. `key` is the surface's index in SheetKeys, and the calls are in ascending order of it.
+    /// `pieces` are the quadtree cells, or quarters of cells, that show the surface. Call this function once
+    /// after each `collect`, because it resets the lists.
     template <typename Take>
     void each_surface(const Take& take) {
         std::uint32_t begin = 0;
@@ -68,9 +72,9 @@ class LeafPieces {
     }
 
   private:
-    /// The hits of four rays, through the corners of a quadtree cell, on one surface. A ray may hit the
-    /// surface several times. The first group then has the nearest hit of each ray, the second group the
-    /// second nearest, and so on.
+    /// The hits of four rays on one surface. The rays pass through the corners of a quadtree cell. A ray may
+    /// hit the same surface several times. In this case, the first group contains the nearest hit of each
+    /// ray, the second group the second nearest, and so on.
     struct Group {
         std::uint32_t key = 0;
         std::uint32_t next = 0;  ///< index of the group of the (n + 1)-th nodes
@@ -99,9 +103,10 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// For each surface: `key_pieces_` is the number of its elements in `pieces_`. sort_pieces, which groups
-    /// pieces by surface in `sorted_`, replaces it by the index at which the surface's pieces end.
-    /// `key_group_`: index of its first element in `groups_`.
+    /// Lists with one value for each surface (key). `key_pieces_` first counts the surface's elements in
+    /// `pieces_`. Then sort_pieces copies the pieces to `sorted_`, grouped by surface, and replaces the count
+    /// by the index in `sorted_` at which the surface's pieces end. `key_group_` holds the index of the
+    /// surface's first element in `groups_`.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

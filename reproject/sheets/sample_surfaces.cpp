@@ -6,13 +6,15 @@
 namespace postlens {
 namespace {
 
-/// Largest slope of one surface against the film (tangent of the angle), between neighbouring ray hits. A
-/// sphere of 1600 px radius is steeper only within 0.5 px of its outline.
+/// Two neighbouring ray hits count as points of one surface only if the line between them has at most this
+/// slope against the film (tangent of the angle). The limit must be so high that a curved surface rarely
+/// exceeds it. For example, a sphere with a radius of 1600 px is steeper only within 0.5 px of its outline.
 constexpr double steepest_slope = 40;
 
-/// Combines the records of one eye ray in one layer (0: visible, 1 or more: hidden) into a surface. The
-/// radiances of the direct hit and of its reflections and refractions are added up. Returns false if the
-/// direct hit is not recorded.
+/// Combines the records [first, last) of one eye ray into the surface `out`. They belong to one layer: 0 for
+/// the visible surface, 1 or more for a hidden one. The first record is the ray's direct hit, and the others
+/// are its reflections and refractions. The radiance of `out` is the sum over all of them. Returns false if
+/// the direct hit is not recorded.
 bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
     const Record& primary = *first;
     const bool known = primary.path.bits() == 0;
@@ -33,9 +35,10 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // Two rays are `across` apart at depth 1, so across / far apart at the farther hit. The hits' depths
-    // differ by 1 / far - 1 / near (near, far: inverse depths). The slope is the quotient, (near - far) /
-    // near / across.
+    // `near` and `far` are the inverse depths of the hits of two rays, in 1/m. The rays are `across` apart at
+    // depth 1 m. Their distance grows with the depth, so it is across / far at the farther hit. The depths
+    // differ by 1 / far - 1 / near. The slope is this difference divided by the distance: (near - far) / near
+    // / across.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
@@ -48,8 +51,10 @@ double across_per_px(const SampleHeader& h) {
 
 namespace {
 
-/// For each eye ray, calls take(visible, first, last) for each of its surfaces, then done(). `visible`: the
-/// ray's first record; [first, last): the surface's records.
+/// Each eye ray may hit a visible surface and others hidden behind it. For each of these surfaces, calls
+/// take(visible, first, last). `first` and `last` delimit the surface's records [first, last): its own and
+/// those of its reflections and refractions. `visible` points to the first record of the ray's visible
+/// surface. After the last surface of a ray, calls done().
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {
@@ -63,8 +68,10 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     const Record* records = band.records.data();
     for (std::size_t k = 0; k < pixels; ++k) {
         const std::uint32_t begin = points.offsets[k], end = points.offsets[k + 1];
-        // The records of a pixel are sorted by layer (0 for visible surfaces, 1 and more for hidden ones),
-        // and within a layer by the position of their eye ray, (y, x).
+        // The records of a pixel are sorted by their layer, which is 0 for visible surfaces and 1 or more for
+        // hidden ones. Within a layer, they are sorted by the raster position of their eye ray in the pixel,
+        // first by y and then by x. The records of one ray are therefore not adjacent if they belong to
+        // several layers.
         const PointSample& last = points.samples[end - 1];
         const Record* r = records + last.first_record + last.record_count;
         const Record* pixel_end = records + band.offsets[first_pixel + k + 1];
@@ -94,8 +101,9 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     }
 }
 
-/// The records [first, last) are sorted by path. Returns the surface that is seen by `path`, a sequence of
-/// reflections and transmissions, or null if it is not recorded.
+/// Returns the record of the surface that an eye ray sees by `path`, a sequence of reflections and
+/// transmissions. Returns null if this surface is not recorded. The records [first, last) of the ray must be
+/// sorted by their paths.
 const Record* node_at(const Record* first, const Record* last, NodePath path) {
     const Record* found = std::lower_bound(
         first, last, path, [](const Record& r, NodePath p) { return r.path.bits() < p.bits(); });
@@ -118,8 +126,9 @@ void find_surfaces(const RecordBand& band, const PointSamples& points, int y_beg
 
 namespace {
 
-/// For each ray hit in [first, last), finds the index of the mirror or glass in which it is seen (its
-/// parent). A hit without a recorded parent gets its own index.
+/// For each ray hit in [first, last), finds the mirror or glass in which it is seen, which is called its
+/// parent. `parents` gets the parent's index, counted from `first`. If the parent is not recorded, or if a
+/// hit is seen directly, the hit gets its own index.
 void find_parents(const Record* first, const Record* last, std::vector<std::uint32_t>& parents) {
     const auto count = static_cast<std::uint32_t>(last - first);
     parents.resize(count);
@@ -130,8 +139,9 @@ void find_parents(const Record* first, const Record* last, std::vector<std::uint
     }
 }
 
-/// Returns the matrix W, in 1/m, of a surface point: how its image on the raster moves with the lens point.
-/// For a point seen directly, it is the unit matrix divided by the point's depth.
+/// Returns the 2x2 matrix W of a recorded surface point, in 1/m. It describes how far the point's image on
+/// the raster moves when the lens point moves. For a point seen directly, W is the unit matrix divided by the
+/// point's depth. For a point seen by reflection or refraction, it is stored in the record.
 Mat2 w_of(const Record& r) {
     return r.path.bits() == 0 ? Mat2::isotropic(std::isinf(r.z) ? 0.0F : 1 / r.z) : r.w;
 }
@@ -215,8 +225,10 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
                 }
                 const Record* seen_in = parents[i] != i ? first + parents[i] : nullptr;
                 if (seen_in == nullptr && !own_tree) {
-                    // Finds the end of the records of this eye ray's visible surface and its reflections: the
-                    // first record of another ray (x, y) or of a hidden layer.
+                    // The records of one eye ray and one layer are adjacent, and layer 0 holds the visible
+                    // surface with its reflections and refractions. This loop finds the end of these records:
+                    // the first record that belongs to another ray, that is, to another position (x, y), or
+                    // to a hidden layer.
                     const Record* end = visible;
                     while (end != first && end->layer == 0 && end->x == first->x && end->y == first->y) ++end;
                     seen_in = node_at(visible, end, r.path.parent());

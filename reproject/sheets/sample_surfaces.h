@@ -29,27 +29,33 @@ struct TreeSurface {
     Mat2 w;                       ///< 1/m
     float bend = 0;               ///< Record::w_bend
     std::uint8_t mark = 0;        ///< Record::mark
-    /// The surface may show other surfaces by reflection [0] and by transmission [1]. Stores the combined
-    /// flags (Record::mark) of these.
+    /// Flags (Record::mark) of the surfaces that are seen in this surface, combined by OR. For example, a
+    /// flag tells that a texture is finer than the samples. The element 0 is for surfaces seen by reflection,
+    /// and the element 1 for those seen by transmission.
     std::array<std::uint8_t, 2> marks_below{};
-    /// Radiance that comes from this surface to the eye by reflection ([0]) and transmission ([1]). Includes
-    /// light that arrives there after further reflections and refractions.
+    /// RGB radiance that this surface sends to the eye by reflection ([0]) and by transmission ([1]). It
+    /// includes all light that reaches the surface on these two ways, also after further reflections and
+    /// refractions.
     std::array<std::array<float, 3>, 2> below{};
-    /// The matrix W describes how an image moves with the lens point. Stores the largest difference, in 1/m,
-    /// between this surface's W and that of its reflection [0] or refraction [1]; infinity if that light is
-    /// too bright to be drawn with the surface.
+    /// The matrix W describes how an image moves with the lens point. Each element is the largest difference,
+    /// in 1/m, between this surface's W and the W of what is seen in it: by reflection ([0]) or transmission
+    /// ([1]). If the difference is small, the reflection can be drawn as if painted on the surface. Infinity
+    /// if it is too bright for this.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
     return static_cast<std::uint8_t>(1U << (static_cast<std::uint32_t>(b) - 1));
 }
 
-/// Returns whether two eye rays may hit one continuous surface: the line between their hits is inclined to
-/// the film by a slope of at most 40 (88.6 degrees). `across`: distance between the rays on the film, divided
-/// by the film distance. For an orthographic camera, it is the distance between the rays, in m.
+/// Returns whether two neighbouring eye rays may hit one continuous surface. This is assumed if the line
+/// between their hits has at most the slope 40 against the film, an angle of 88.6 degrees.
+/// - `low_inverse_z`, `high_inverse_z`: inverse depths of the farther and the nearer hit, 1/m
+/// - `across`: distance between the rays on the film, divided by the film distance; for an orthographic
+///   camera, distance between the rays in m
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
-/// Returns the width of a pixel as is_one_surface needs it: divided by the film distance or, for an
-/// orthographic camera, in m.
+/// Returns the width of a pixel in the unit of the argument `across` of is_one_surface, which tests whether
+/// two eye rays hit the same surface. For a perspective camera, this is the pixel's width on the film divided
+/// by the film distance (both in mm). For an orthographic camera, it is the width in m.
 [[nodiscard]] double across_per_px(const SampleHeader& header);
 
 /// The surfaces that eye rays reach directly, not by reflection: for each ray, the visible one and those
@@ -72,10 +78,11 @@ struct SampleTrees {
     bool any_below = false;  ///< false if all `below` are black
 };
 
-/// Finds all surfaces that eye rays hit, directly (`primary`) or by reflection and transmission (`deeper`).
+/// Finds all surfaces that eye rays hit. `primary` gets those that are hit directly, and `deeper` those that
+/// are hit after a reflection or transmission.
 /// - `points`: the eye rays, read from `band`, from row `y_begin` on
-/// - `bright_above`: a reflection or refraction of higher radiance must be drawn as a separate surface, not
-///   with its mirror or glass
+/// - `bright_above`: a reflection or refraction with more radiance must be drawn as a separate surface, not
+///   as if painted on its mirror or glass
 void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
                 SampleTrees& primary, SampleTrees& deeper);
 

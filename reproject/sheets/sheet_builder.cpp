@@ -69,8 +69,9 @@ bool SheetBuilder::is_contrast(float a, float b, float c, float d) const {
 }
 
 void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
-    // A part of a pixel that shows one continuous surface, with its range of inverse depths in 1/m. A pixel
-    // has several parts if its depths differ too much for one surface.
+    // A part of a pixel that shows one continuous surface. `low` and `high` are the smallest and the largest
+    // inverse depth in this part, in 1/m. A pixel is divided into several parts if its depths differ too much
+    // for one continuous surface.
     struct Part {
         float low = 0, high = 0;
         std::vector<const LeafPiece*> pieces;
@@ -272,8 +273,9 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
         const auto inside = [&](const LeafPiece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
         };
-        // Moves the cells inside this quarter of the current cell together, because the recursion takes a
-        // range of cells. They usually are together already, because the cells come in quadtree order.
+        // The recursion takes a range of adjacent cells in the list `pieces`. Therefore, all cells that lie
+        // inside this quarter of the current cell must be adjacent. They usually are already, because the
+        // list is in quadtree order. Otherwise, they are moved together here.
         auto middle = std::find_if_not(at(from), at(end), inside);
         if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
         const auto to = static_cast<std::size_t>(middle - pieces.begin());

@@ -15,8 +15,9 @@
 
 namespace postlens {
 
-/// Builds sheets from the ray hits at the corners of quadtree cells. A sheet is a surface within a square of
-/// 16 x 16 px. Parts with very different depths become different sheets.
+/// Builds sheets from recorded ray hits. A sheet is the part of a surface that lies within a square of 16 x
+/// 16 px of the raster. The rays pass through the corners of quadtree cells. If parts of a surface in the
+/// square have very different depths, they become different sheets.
 class SheetBuilder {
   public:
     /// Keeps references to all arguments.
@@ -28,8 +29,9 @@ class SheetBuilder {
     /// True if the colours at the corners of the quadtree cell differ so much that the edge of a shadow or
     /// texture must cross it.
     [[nodiscard]] bool has_contrast(const LeafPiece& piece) const;
-    /// Returns the flags (RecordMark) that all ray hits of this piece of a quadtree cell have, for example
-    /// for texture finer than the samples.
+    /// A piece is a quadtree cell that shows one surface. Returns the flags (RecordMark) that are set for the
+    /// ray hits at all four corners of the piece. For example, one flag means that the surface's texture is
+    /// finer than the samples.
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
     [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
@@ -40,15 +42,16 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const LeafPiece& piece);
     template <std::size_t values>
     void fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const;
-    /// Each texel is the colour of a quadtree cell. Assigns the highlights of `bright` from index
-    /// `first_light` on to the last texel added. `area`: area of the texel's cell, in px^2.
+    /// A highlight is radiance above a limit that may be removed from a texel, the colour of a quadtree cell.
+    /// The last texel added has highlights if `bright` has elements from the index `first_light` on. If so,
+    /// records that these elements belong to this texel. `area` is the area of the texel's cell, in px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }
 
-    /// A sheet (surface within a square of 16 x 16 px) that is being built. `cells` lists its pixels as
-    /// indices y * 16 + x in the square, ascending. In the same order, `fine`, `coarse`, `planes` and `bends`
-    /// are those of SheetMesh.
+    /// A sheet (part of a surface in a square of 16 x 16 px) that is being built. `cells` lists the square's
+    /// pixels that show the sheet, as indices y * 16 + x in ascending order. For each of these pixels,
+    /// `fine`, `coarse`, `planes` and `bends` hold the values that SheetMesh stores under the same names.
     struct Draft {
         std::vector<int> cells;
         std::vector<std::uint32_t> fine, coarse;

@@ -8,8 +8,10 @@
 namespace postlens {
 namespace {
 
-/// A surface lies closely behind another one if their inverse depths differ by less than this fraction.
-/// Errors of the fitted depths could then swap the two surfaces.
+/// If an eye ray hits two surfaces, the hidden one lies closely behind the other if their inverse depths
+/// differ by less than this fraction. The depth of each surface is approximated by a plane in every pixel.
+/// The error of this approximation could then bring the hidden surface in front. So the hidden one gets a key
+/// of its own.
 constexpr float closely_behind = 0.04F;
 
 struct KeyHash {

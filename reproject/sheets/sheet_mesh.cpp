@@ -22,12 +22,14 @@ struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
-/// Each parallel task builds lists, which are then joined. If the joined lists exceed this size in bytes, the
-/// tasks' lists are returned to the system. Below, this is not worth the time.
+/// Limit for freeing memory, in bytes. Several parallel tasks build lists, which are then joined into larger
+/// ones. The tasks' lists are then no longer needed. If the joined lists are larger than this, the memory of
+/// the tasks' lists is returned to the system. For smaller lists, this is not worth the time.
 constexpr std::size_t much_bytes = std::size_t{48} << 20;
 
-/// Several parallel tasks each build a SheetMesh. Joins these and frees the tasks' lists. Indices into lists
-/// are renumbered, because they start at 0 in each task.
+/// Joins the meshes that several parallel tasks have built into one mesh, `out`. The lists of the tasks are
+/// then freed. Elements of the lists refer to each other by indices, which start at 0 in each task.
+/// Therefore, the indices are renumbered.
 template <typename Made>
 void join(std::size_t tasks, const Made& made, SheetMesh& out) {
     std::vector<Before> before(tasks + 1);
@@ -114,8 +116,9 @@ void clear(SheetMesh& m) {
     m.highlights.clear();
 }
 
-/// Returns how many strips (groups of 16 raster rows) are read together from row y on: enough for all
-/// threads, and few enough for a cache.
+/// Returns how many strips are read together, from raster row y on. A strip is a group of 16 raster rows. The
+/// number is large enough to keep all threads busy. But it is also limited, so that the records of these
+/// strips fit into a cache.
 std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, int y,
                            const SheetChoice& choice) {
     constexpr std::size_t most = 64;
@@ -164,8 +167,9 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // The last row read, `y`, is read again as the first row of the next strips. So that `also.rows` gets
-        // each row once, this row is passed now only at the end of the file.
+        // The row `y`, the last one just read, will be read again as the first row of the next group of
+        // strips. `also.rows` is a function of the caller that must get each row once. Therefore, `y` is not
+        // passed to it now, unless the file ends with this row.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];
@@ -195,8 +199,10 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // `made` exists once per thread. `choice.squares` may run another task of this loop on this
-            // thread, which overwrites `made`. So `made` is copied first.
+            // `made` exists once per thread, and holds the surfaces that this task has built.
+            // `choice.squares` is a function of the caller. If it waits for a parallel loop, this thread may
+            // meanwhile run another task of this loop, which overwrites `made`. Therefore, `made` is copied
+            // to `part` before the call.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

@@ -47,11 +47,12 @@ struct Texel {
     [[nodiscard]] std::uint32_t sheet() const { return info >> sheet_shift; }
     /// Returns the bits (child_bit) of the surface's recorded reflection and refraction.
     [[nodiscard]] std::uint8_t children() const { return static_cast<std::uint8_t>(info & children_bits); }
-    /// True if an outline, a gap, or the edge of a shadow or texture may cross the quadtree cell. The corners
-    /// of the cell then do not determine its colour.
+    /// Returns whether the colours at the corners of the quadtree cell are insufficient to determine the
+    /// cell's colour. This is so if an outline, a gap, or the edge of a shadow or texture may cross the cell.
     [[nodiscard]] bool unsure() const { return (info & unsure_bit) != 0; }
-    /// True if the reflected or transmitted light in the quadtree cell may contain the edge of a shadow or
-    /// texture.
+    /// Returns whether the edge of a shadow or texture may appear in what the surface reflects or transmits
+    /// within the quadtree cell. If so, the corners of the cell do not determine the reflected or transmitted
+    /// light.
     [[nodiscard]] bool unsure_below() const { return (info & unsure_below_bit) != 0; }
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
@@ -77,16 +78,17 @@ struct Sheet {
     std::array<float, 2> strays{};               ///< largest TreeSurface::strays of its nodes
 };
 
-/// Whether nearer surfaces hide a part of a surface inside a quadtree cell, and whether this hidden part is
-/// recorded.
+/// Tells whether nearer surfaces hide a part of a surface inside a quadtree cell. If they do, the value also
+/// tells whether the hidden part is recorded. It may be seen from other lens points than the pinhole.
 enum class Hides : std::uint8_t {
     nothing,
     recorded,  ///< a part that is recorded as a hidden surface
     unknown    ///< a part that may not be recorded
 };
 
-/// Radiance above a limit, removed from a recorded surface. The lens's point spread function spreads it over
-/// the image instead.
+/// Bright radiance of a recorded surface that exceeds a limit. It is removed from the surface, because views
+/// of a light field would show it with noise. Instead, the lens's point spread function spreads it over the
+/// image.
 struct Highlight {
     float x = 0, y = 0;          ///< raster px
     std::array<float, 3> rgb{};  ///< radiance times px^2
@@ -118,19 +120,23 @@ struct SheetMesh {
 
     double time_s = 0;
     std::vector<Sheet> sheets;
-    /// A sheet is a part of a surface. For each of its pixels, root nodes of two quadtrees of colours: `fine`
-    /// has all recorded colours. `coarse`, for blurred surfaces, has one colour per fully covered pixel.
+    /// A sheet is a part of a surface. For each pixel of a sheet, there are two quadtrees of colours, and
+    /// these lists hold the indices of their root nodes in `nodes`. The quadtree in `fine` has all colours
+    /// that were recorded in the pixel. The one in `coarse` is for blurred surfaces. It has a single colour
+    /// if the sheet covers the whole pixel.
     std::vector<std::uint32_t> fine, coarse;
-    /// For each pixel of each sheet: `values` linear functions of the offset from the pixel's centre. The
-    /// first is the inverse depth (1/m). If `values` is 5, the rest are the entries of the 2x2 matrix
-    /// Record::w.
+    /// For each pixel of a sheet (part of a surface), there are `values` linear functions of the offset from
+    /// the pixel's centre, in px. The first one gives the surface's inverse depth, in 1/m. If `values` is 5,
+    /// the other four give the entries of the 2x2 matrix W (Record::w), also in 1/m.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< for each cell, its largest Record::w_bend; only if W is stored
     std::vector<std::uint32_t> nodes;
     std::vector<Texel> texels;
-    /// For each colour in `texels`: the radiance that its surface additionally sends to the eye by reflection
-    /// ([0]) and transmission ([1]). Empty if no surface reflects or transmits light.
+    /// Radiance of the light that a surface reflects and transmits. There is one element for each colour in
+    /// `texels`. It holds the RGB radiance that the colour's surface sends to the eye by reflection ([0]) and
+    /// by transmission ([1]), in addition to the colour itself. The list is empty if no surface reflects or
+    /// transmits light.
     std::vector<std::array<std::array<float, 3>, 2>> below;
     /// Highlights: that part of the recorded radiance that exceeds HighlightRule::above. `bright_texels`
     /// lists the quadtree cells whose radiance exceeds it.
@@ -142,7 +148,8 @@ struct SheetMesh {
 };
 
 /// All surfaces recorded at one instant. Each surface is divided into sheets, one for each square of 16 x 16
-/// px. `primary` has the surfaces that are seen directly, `deeper` those seen by reflection or transmission.
+/// px of the raster in which the surface appears. `primary` contains the sheets of surfaces that are seen
+/// directly. `deeper` contains those of surfaces seen by reflection or transmission.
 struct TreeSheets {
     SheetMesh primary;
     SheetMesh deeper;  ///< its planes include W; empty if there are no such surfaces
@@ -154,43 +161,52 @@ struct BrightSheet {
     Hides hides = Hides::nothing;  ///< what nearer surfaces hide in any of its leaves
 };
 
-/// Decides which bright surfaces become highlights. Their radiance beyond `above`, per channel, is then
-/// spread over the image by the lens's point spread function.
+/// Decides which bright surfaces become highlights. The radiance of a highlight that exceeds `above`, in any
+/// colour channel, is removed from the surface. The lens's point spread function then spreads it over the
+/// image.
 struct HighlightRule {
     float above = 1;
-    /// Returns whether `light`, the radiance of a quadtree cell beyond `above`, becomes a highlight. `key`
-    /// and `sheet` describe the cell's surface. If empty, nothing becomes a highlight.
+    /// Returns whether a bright quadtree cell becomes a highlight. `light` is the part of the cell's radiance
+    /// that exceeds `above`. `key` and `sheet` describe the surface to which the cell belongs. If this
+    /// function is empty, no cell becomes a highlight.
     std::function<bool(const Highlight& light, const SheetKey& key, const BrightSheet& sheet)> takes;
 };
 /// Returns one element for each of mesh.sheets.
 [[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
-/// An image may need only some sheets (surfaces within squares of the raster). This selects the sheets that
-/// are built. The selection changes the sheets' indices, but not their contents.
+/// Selects the sheets that are built. A sheet is a part of a surface within a square of 16 x 16 px, and an
+/// image may need only some of them. The sheets that are built have the same contents as without a selection,
+/// but other indices.
 struct SheetChoice {
-    /// Returns whether the row of squares (16 x 16 px) that begins at raster row y is read. An empty function
-    /// means that all rows are read.
+    /// The raster is divided into squares of 16 x 16 px, and each row of squares is read from the file as a
+    /// whole. Returns whether the row of squares that begins at the raster row y is read. If this function is
+    /// empty, all rows are read.
     std::function<bool(int y)> rows;
-    /// Optional: removes surfaces that the caller does not need. `some` has the surfaces of up to 8 adjacent
-    /// squares (16 x 16 px), part number `part` of the row of squares from raster row y on. Called by several
-    /// threads.
+    /// Optional function that removes surfaces that the caller does not need. A row of squares (16 x 16 px)
+    /// is divided into parts of up to 8 adjacent squares. `some` holds the surfaces of one part. `part` is
+    /// the number of the part in its row of squares, and `y` is the first raster row of this row. Several
+    /// threads may call the function at the same time.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Optional: called for each row of squares that `rows` leaves out because the caller already has its
-    /// surfaces. Appends these surfaces to `parts`, left to right.
+    /// Optional function that supplies surfaces that the caller already has. If `rows` returns false for a
+    /// row of squares (16 x 16 px), that row is not read from the file. Instead, this function is called with
+    /// the first raster row `y` of the row of squares. It appends the surfaces of these squares to `parts`,
+    /// from left to right.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
 
-/// Reads the surfaces recorded at one instant from a sample file, and divides them into sheets (parts within
-/// squares of the raster). To avoid a second reading, `also` gets all records that are read. Throws
-/// Error(out_of_memory), and exceptions of the reader and of `also`.
+/// Reads the surfaces recorded at one instant from a sample file, and divides them into sheets. A sheet is
+/// the part of a surface within a square of 16 x 16 px. The functions in `also` are called with all records
+/// that are read, so that the caller need not read the file again. Throws Error(out_of_memory), and
+/// exceptions of the reader and of `also`.
 [[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Selects highlights again, by a new rule with the old radiance limit `above`. The result is bit-identical
-/// to that of calling tree_sheets with the new rule.
+/// Selects highlights (bright radiance that is removed from surfaces) by a new rule, and undoes the selection
+/// made before. `rule.above`, the limit of radiance, must be the same as when `sheets` were built. The result
+/// is bit-identical to that of calling tree_sheets with the new rule.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens

@@ -8,8 +8,9 @@
 
 namespace postlens {
 
-/// Copies the sheets (parts of surfaces) with a nonzero entry in `wanted`, in the same order.
-/// SheetMesh::highlights is not copied, so call take_highlights afterwards to select them.
+/// Returns a copy of `mesh` that contains only some of its sheets (parts of surfaces). The sheets with a
+/// nonzero element in `wanted` are copied, in the same order as in `mesh`. The list SheetMesh::highlights is
+/// not copied. Therefore, call take_highlights afterwards, which selects the highlights of the copy.
 [[nodiscard]] SheetMesh sheet_subset(const SheetMesh& mesh, std::span<const std::uint8_t> wanted);
 
 }  // namespace postlens

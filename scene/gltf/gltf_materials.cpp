@@ -88,14 +88,16 @@ class MaterialReader {
         return out;
     }
 
-    // Reads the emissive texture. A Material has only one set of texture coordinates, `uv`. If the base
-    // colour sets it (`has_uv`), an emissive texture with others is replaced by its mean colour.
+    // Reads the emissive texture. A Material has only one set of texture coordinates, `uv`. If `has_uv` is
+    // true, the base colour texture already determines `uv`. If the emissive texture needs other coordinates,
+    // it cannot be stored, so it is replaced by its mean colour.
     void read_emissive_picture(const JsonPlace& info, bool has_uv, Material& out, UvSource& uv) {
         const RawImage* raw = image_of(info);
         const UvSource own = uv_source(info);
         if (!raw) {
-            // The texture that multiplies this emission cannot be used. Most of such a texture is usually
-            // black, so the surface emits nothing instead of being bright everywhere.
+            // The emission is to be multiplied by a texture, but this texture's image cannot be used. Most of
+            // an emissive texture is usually black. Without the texture, the whole surface would emit light.
+            // Therefore, it is better if the surface emits nothing.
             out.emission = dvec3(0);
             notes_.add("a surface whose emissiveTexture is left out emits nothing");
         } else if (has_uv && !(own == uv)) {

@@ -13,9 +13,10 @@ namespace postlens {
 [[nodiscard]] std::optional<Camera> gltf_camera(const GltfDocument& document, const JsonPlace& node,
                                                 double metres_per_unit);
 
-/// Returns the light of a node (KHR_lights_punctual), or empty if the node has none.
-/// The intensity in the file is in lux or candela. It is divided by (pi lumens_per_watt), which gives the
-/// radiance of a white diffuse surface in this light. Throws Error(invalid_input).
+/// Returns the light of a node (KHR_lights_punctual), or empty if the node has none. The file gives the
+/// intensity in lux or candela, but a Light needs the radiance that a white diffuse surface has in this
+/// light. Therefore, the intensity is divided by lumens_per_watt, which gives watts, and by pi, because such
+/// a surface reflects irradiance / pi. Throws Error(invalid_input).
 [[nodiscard]] std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& node,
                                               const SceneReadOptions& options, SceneNotes& notes);
 

@@ -27,8 +27,9 @@ from mathutils import Euler, Matrix, Quaternion, Vector
 OUTLINE_PX = 0.01  # a hundredth of the width of the box filter: the error is at most 1 % of an edge's contrast
 MOTION_PX = 0.01
 POSES_LOG2 = 7  # Cycles' limit: 2^7 intervals in the frame
-# Cycles 3.4 stores the shutter curve in 256 entries, so a shutter set to one frame is open for only 254/256 of the
-# frame. The class Exposure maps the scene's exposure to this fraction.
+# Fraction of a frame during which the shutter is open in Cycles 3.4 if its shutter time is set to one frame. Cycles
+# stores the shutter curve in 256 entries, so the shutter is only open for 254 of 256. Therefore, the class Exposure
+# places the exposure of the scene in this fraction of the frame.
 SHUTTER_COVERED = 254 / 256
 LARGEST_ICOSPHERE = 8  # 330,000 triangles
 

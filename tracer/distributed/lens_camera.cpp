@@ -68,8 +68,10 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
         const float qx = optics.aperture_radius_m * (first ? along : across);
         const float qy = optics.aperture_radius_m * (first ? across : along);
         const float px = s.x[i] - optics.half_width, py = s.y[i] - optics.half_height;
-        // The ray goes from lens point (qx, qy) to the in-focus point that the pinhole sees at (px, py),
-        // which is relative to the image centre.
+        // The pinhole sees a point of the focus plane at (px, py), in px from the image centre. The ray goes
+        // to this point from the lens point (qx, qy), in m. `out.tx` and `out.ty` give the ray's direction as
+        // tangents of the angle to the optical axis. `out.qx` and `out.qy` give its start on the lens plane,
+        // in m.
         out.tx[i] = px * optics.tangent_per_px - qx * optics.inverse_focus_per_m;
         out.ty[i] = py * optics.tangent_per_px - qy * optics.inverse_focus_per_m;
         out.qx[i] = qx + px * optics.metres_per_px;
@@ -262,8 +264,10 @@ double LensCamera::px_per_m(const dvec3& world, double time_s) const {
     const Frame f = frame_at(time_s);
     const double distance = glm::length(world - f.position), depth = glm::dot(world - f.position, f.forward);
     if (!(depth > 0)) return 0;
-    // The scale gain_px / depth, in px per metre, would be infinite at depth 0. So the depth counts as at
-    // least 2 % of the point's distance from the camera.
+    // The scale of the image is gain_px / depth, in px per metre. `gain_px` is the film distance in px, and
+    // `depth` is measured along the optical axis. For a point far to the side, the depth may be almost 0, and
+    // the scale would be almost infinite. Therefore, the depth counts as at least 2 % of the point's distance
+    // from the camera.
     return lens_.gain_px / std::max(depth, 0.02 * distance);
 }
 

@@ -32,8 +32,9 @@ class LensCamera {
         /// a traced lens prescription that has the geometry `lens`
         std::shared_ptr<const LensView> view = nullptr;
     };
-    /// `model` provides the raster, projection and pose of the camera, and `camera` its motion.
-    /// An orthographic camera must have an aperture radius of 0.
+    /// Creates a camera for a frame. The raster (image size), the projection and the camera's pose are taken
+    /// from `model`. Only the camera's motion is taken from `camera`. An orthographic camera must have an
+    /// aperture radius of 0 in `settings`.
     LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
 
     /// Sixteen image positions (px), each with its lens point, in lens radii along the raster's axes.
@@ -43,8 +44,9 @@ class LensCamera {
         std::array<glm::dvec2, 16> lens;
         alignas(64) std::array<float, 16> time;
     };
-    /// Adds one ray per sample to the batch, through the sample's own lens point. Appends its transmittance
-    /// to `weights` if `loses_rays`.
+    /// Adds one ray to `batch` for each of the 16 samples. Each ray starts at the lens point that is given
+    /// with its sample. If the lens may block light, i.e. if loses_rays() is true, the fraction of light that
+    /// it transmits along each ray is appended to `weights`.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
     /// Adds 16 rays with unit directions to the batch.
@@ -62,12 +64,10 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Returns the raster position, px, at which the pinhole camera sees a point on a lens ray. The lens ray
-    /// is the one of raster position (x, y), px.
-    /// - `unit`: lens point where the ray starts, in lens radii
-    /// - `t`: distance of the point along the ray, m
-    ///
-    /// Not for cameras with a lens prescription.
+    /// A ray leaves the lens at the lens point `unit`, and is focused on the raster position (x, y), in px.
+    /// Returns the raster position, in px, at which the pinhole camera sees another point of this ray.
+    /// - `unit`: in lens radii from the centre of the lens
+    /// - `t`: distance of the point along the ray, in m
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
     /// Returns the inverse depth, 1/m, of a plane at its point `world`, and the derivatives along raster x
@@ -94,8 +94,9 @@ class LensCamera {
         float half_width, half_height, tangent_per_px, metres_per_px, aperture_radius_m, inverse_focus_per_m;
     };
     static void local_rays(const LensSamples& samples, const Optics& optics, Local& out);
-    /// Computes the ray for raster position (x, y) that starts at the lens point `unit`, given in lens radii.
-    /// Returns false if the aperture blocks this ray.
+    /// Computes the ray that starts at the lens point `unit` and belongs to the raster position (x, y), in
+    /// px. `unit` is in lens radii from the lens centre. The ray, in the camera's frame, is stored as element
+    /// `lane` of `out`. Returns false if the aperture blocks it.
     bool local_ray(double x, double y, const glm::dvec2& unit, std::size_t lane, Local& out) const;
     /// Adds rays that are given in the camera's frame.
     void add_local(const Local& local, std::array<float, 16> time, const std::array<float, 16>& weight,

@@ -12,8 +12,8 @@ namespace postlens {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Stands for the f-number of a lens with a prescription, which is computed later. Finite, because an
-/// infinite f-number means a pinhole.
+/// Value that is used as the f-number of a lens prescription (a real lens) until its own f-number has been
+/// computed. Any finite value would do, but an infinite f-number would mean a pinhole.
 constexpr double wide_open = 1;
 
 void check(const RenderSettings& s) {

@@ -72,8 +72,9 @@ std::string text_of(const Imf::Header& header, const char* name) {
     return attribute == nullptr ? std::string() : attribute->value();
 }
 
-/// Calls `visit` with a pixel's RGB sums of radiance, in the order of the file's channels. There is one sum
-/// for each complete block of samples, and a last one for the unfinished block.
+/// Calls `visit` with each value of a pixel's sums of radiance, in the order of the file's channels. The
+/// pixel's samples are divided into blocks. For each block, there is one sum for red, green and blue. If the
+/// last block is unfinished, its samples have separate sums, which come last.
 template <typename State, typename Visit>
 void each_sum(State& s, std::size_t half, std::size_t pixel, const Visit& visit) {
     const std::size_t values = 3 * s.samples[half].size();

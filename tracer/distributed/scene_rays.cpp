@@ -87,8 +87,8 @@ void SceneRays::aim(std::span<const SightLine> lines, EyeRays& eye) const {
     for (std::size_t first = 0; first < lines.size(); first += group_size) {
         const std::size_t count = std::min(group_size, lines.size() - first);
         for (std::size_t i = 0; i < group_size; ++i) {
-            // The camera makes 16 rays at once, so the last one may be repeated. The copies are removed after
-            // this loop.
+            // The camera always makes 16 rays at once. If fewer than 16 lines are left, `count`, the last one
+            // is repeated until there are 16. The rays of these copies are removed after this loop.
             const SightLine& line = lines[first + std::min(i, count - 1)];
             samples.x[i] = static_cast<float>(line.x + line.place.x);
             samples.y[i] = static_cast<float>(line.y + line.place.y);

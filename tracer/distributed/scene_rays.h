@@ -13,8 +13,11 @@ namespace postlens {
 
 class SceneRays : public SightRays {
   public:
-    /// Traces at most `lines` rays per pixel through the scene of `setup`. `setup` must outlive this object,
-    /// and must not have a lens prescription.
+    /// Prepares to trace rays through the scene of `setup`. They compute the radiance of view samples that
+    /// the recorded surfaces do not determine.
+    /// - `setup`: must outlive this object; its camera must not have a lens prescription (a real lens),
+    ///   because these rays start at given points of an ideal lens
+    /// - `lines`: largest number of rays per pixel
     SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
               std::uint64_t seed = 1);
     void trace(std::span<const SightLine> lines, const LightElsewhere& less,
@@ -24,8 +27,9 @@ class SceneRays : public SightRays {
     void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
-    /// Drawing 32 flat pieces of reflected surfaces takes as long as tracing one ray, measured on six scenes.
-    /// If a pixel needs more, rays are traced.
+    /// The reflections in a pixel can be drawn from recorded pieces of surfaces, or a ray can be traced
+    /// instead. Returns the number of pieces up to which drawing is used. Drawing 32 flat pieces takes as
+    /// long as tracing one ray, as measured on six scenes.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
     /// Returns the number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;

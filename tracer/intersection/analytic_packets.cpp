@@ -18,7 +18,8 @@ Crossings<float> item_crossings(const AnalyticSet::Item& item, const Rays& rays,
     return crossings<float>(item.shape, o, d);
 }
 
-// Removes the crossing nearest to t = 0 of a ray that starts on the shape, because it is the ray's origin.
+// Removes one crossing from the list `c`, which holds the ray parameters t at which a ray crosses a shape.
+// The ray starts on this shape, so the crossing nearest to t = 0 is the ray's own origin and not a hit.
 template <typename T>
 void drop_start(Crossings<T>& c) {
     int nearest = 0;

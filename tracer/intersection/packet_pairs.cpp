@@ -89,8 +89,9 @@ template <int N>
         const float discriminant = half_b * half_b - a * c;
         const bool real = discriminant >= 0;
         const float q = -(half_b + std::copysign(std::sqrt(real ? discriminant : 0.0F), half_b));
-        // The roots of a t^2 + 2 half_b t + c are q / a and c / q. The terms of q have equal signs, which
-        // avoids cancellation. If q is 0, the ray touches the cone at t = 0.
+        // Solves a t^2 + 2 half_b t + c = 0 for the two ray parameters at which the ray crosses the cone.
+        // Both terms of `q` have equal signs, so no digits cancel. The solutions are q / a and c / q. If q is
+        // 0, half_b and c are 0 too, so the ray touches the cone at t = 0.
         const float t0 = q / a, t1 = q == 0 ? 0.0F : c / q;
         const float z0 = pz + t0 * dz, z1 = pz + t1 * dz;
         const bool on0 = real & (a != 0) & (z0 >= 0) & (z0 <= h) & (r0 + k * z0 >= 0);

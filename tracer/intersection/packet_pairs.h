@@ -5,8 +5,9 @@
 
 namespace postlens {
 
-/// Per ray, the distances of its first and last crossing with a shape. A missing crossing is infinite.
-/// The distances are bit-identical to those of the scalar code.
+/// For each of up to 16 rays, the distances along the ray to its first crossing (`near`) and its last
+/// crossing (`far`) with a shape. A missing crossing is infinite. The distances are bit-identical to those of
+/// `crossings`, which intersects a single ray with the shape.
 struct Pairs {
     alignas(64) float near[16], far[16];
 };

@@ -98,8 +98,10 @@ SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3
     const dmat3 base(item.local_from_base);
     LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
                  base * pose.unmoved_direction(d), t};
-    // The matrix `base` maps to the shape's frame, so rotation * scale * inverse(base) maps this frame to the
-    // world. Normals transform by the inverse transpose, rotation * (1 / scale) * transpose(base).
+    // The matrix `base` maps directions from the world, as it is before the object's motion, to the shape's
+    // own frame. A direction in the shape's frame is therefore mapped to the world by inverse(base), and then
+    // by the motion's scale and rotation. Normals are transformed by the inverse transpose of this product,
+    // which is rotation * (1 / scale) * transpose(base).
     return solved_surface(item, hit, o, d, normals, [&](const LocalHit& at) {
         const dvec3 n = local_normal(item.shape, at.part, at.position());
         return glm::normalize(pose.rotation * ((n * base) / pose.scale));
