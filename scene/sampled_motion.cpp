@@ -10,8 +10,9 @@ namespace {
 using glm::dvec3;
 
 constexpr int most_halvings = 12;
-// Divides the time between two keyframes into this many equal steps. The error of the interpolated placement
-// is measured at the 7 times between the steps.
+// The placement of an object is interpolated between two keyframes. To measure the error of this
+// interpolation, the time between the keyframes is divided into this many equal steps. The error is then
+// measured at the 7 instants between the steps.
 constexpr int looks = 8;
 
 struct Sampler {
@@ -43,8 +44,8 @@ struct Sampler {
         return worst;
     }
 
-    // Appends as many keyframes between a and b as the tolerance needs, and then b. The caller has appended
-    // a.
+    // Appends keyframes between the keyframes `a` and `b`, as many as are needed to keep the error of
+    // interpolation within the tolerance. Then appends `b` itself. The caller must already have appended `a`.
     void add(const TransformKey& a, const TransformKey& b, int halvings) {
         const double gap = b.time_s - a.time_s;
         const bool may_divide = gap > 2 * shortest_key_gap_s && halvings < most_halvings;

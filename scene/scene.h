@@ -107,8 +107,9 @@ struct Object {
     std::size_t material = 0;
     Shape shape;
     glm::dmat4 world_from_object{1};  ///< at rest; affine
-    /// Keyframes of the object's motion, which replace world_from_object if there are any. The transform at
-    /// time t is then key(t) * motion_base, i.e. motion_base applies first.
+    /// Keyframes of the object's motion. If there are any, they replace `world_from_object`. The transform
+    /// from the object to the world at time t is then key(t) * motion_base, where key(t) is the interpolated
+    /// keyframe. So `motion_base` is applied first.
     std::vector<TransformKey> keys;
     glm::dmat4 motion_base{1};
     /// If false, the object casts no shadow. Example: a glowing ball around a point light.
@@ -121,8 +122,8 @@ struct Light {
     std::string name;
     glm::dvec3 position{0};          ///< of a point or spot light, or the centre of a sphere or rectangle
     glm::dvec3 direction{0, 0, -1};  ///< unit direction in which the light travels (directional, spot)
-    /// radiance that the light, without attenuation, causes on a surface that has a diffuse coefficient of 1
-    /// and faces the light (N.L = 1)
+    /// brightness of the light: the radiance of a surface that it illuminates, if the surface has a diffuse
+    /// coefficient of 1 and faces the light (N.L = 1), and if there is no attenuation
     glm::dvec3 intensity{1};
     double cone_degrees = 30;  ///< spot: full angle of the lit cone
     double cone_soft_degrees =
@@ -145,9 +146,9 @@ struct Camera {
     glm::dvec3 look_at{0, 0, -1};
     glm::dvec3 up{0, 1, 0};
     double film_width_mm = 36;
-    /// A perspective camera has at most one of focal_length_mm, horizontal_fov_degrees and
-    /// vertical_fov_degrees. `focal_length_mm` is then also the distance from lens to film, as for a lens
-    /// focused at infinity.
+    /// These three values determine the field of view of a perspective camera, so at most one of them may be
+    /// set. `focal_length_mm` is then also the distance from the lens to the film, as for a lens focused at
+    /// infinity.
     std::optional<double> focal_length_mm;
     std::optional<double> horizontal_fov_degrees;
     std::optional<double> vertical_fov_degrees;

@@ -23,17 +23,17 @@ struct ColourRange {
 class TexelRanges {
   public:
     TexelRanges() = default;
-    /// Computes the colour ranges (least and greatest value per channel) of squares of texels, for an image
-    /// of `width` x `height` texels. Keeps no reference to `rgb`.
+    /// Prepares the colour ranges of an image with `width` x `height` texels, whose colours are in `rgb`. A
+    /// colour range is the least and the greatest value of each colour channel. It is computed for squares of
+    /// texels in several sizes. Keeps no reference to `rgb`.
     TexelRanges(std::span<const float> rgb, int width, int height);
 
     /// Returns the least and greatest colour of the texels in columns x_first to x_last and rows y_first to
-    /// y_last.
-    /// `rgb` must be the array that was passed to the constructor.
-    /// With `wrap_x` and `wrap_y`, the image is repeated beyond its borders. Otherwise the texels of the
-    /// border are used there.
-    /// If the rectangle has more than 9 texels along an edge, it is covered by precomputed squares of texels.
-    /// They may extend beyond it by up to two fifths of its longer edge, so the range may be too wide.
+    /// y_last. `rgb` must be the array that was passed to the constructor. With `wrap_x` and `wrap_y`, the
+    /// image is repeated beyond its borders. Otherwise, its border texels are used there.
+    ///
+    /// A rectangle with more than 9 texels along an edge is covered by precomputed squares. They may extend
+    /// beyond it by up to two fifths of its longer edge, so the range may be too wide.
     [[nodiscard]] ColourRange of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                                  double y_last, bool wrap_x, bool wrap_y) const;
 

@@ -16,8 +16,10 @@ namespace {
     const double d = c - offset;
     const double quotient = d / size;
     const double cell = std::floor(quotient);
-    // `quotient`, the position in units of cells, is rounded, so close to the border of a cell its floor may
-    // be wrong. There, the sign of the remainder decides, computed exactly (Knuth's two-sum and fma).
+    // Finds the cell of the checkerboard that contains a point. `quotient` is the point's position in units
+    // of cells. It is a rounded number, so its floor may be wrong if the point is very close to the border of
+    // a cell. In this case, the sign of the remainder decides, which is computed exactly (Knuth's two-sum and
+    // fma).
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;
@@ -126,9 +128,10 @@ ColourRange Texture::range(const glm::dvec3& low, const glm::dvec3& high) const 
         out.add(colour_at(high));
         return out;
     }
-    // Converts the box from `low` to `high` from texture coordinates to texels, counted from the image's
-    // upper left corner. Texel centres are at half-integers, so bilinear interpolation reads up to half a
-    // texel beyond the box.
+    // Converts the box with the corners `low` and `high` from texture coordinates to texels, which are
+    // counted from the image's upper left corner. The box is then extended by `reach`. With bilinear
+    // interpolation, this is half a texel, because texel centres lie at half-integers and the colour at a
+    // point depends on the texel centres around it.
     const double x = repeat.x * low.x * image_.width, y = (1 - repeat.y * high.y) * image_.height;
     const double x_end = x + across.x * image_.width, y_end = y + across.y * image_.height;
     const double reach = image_.nearest ? 0 : 0.5;

@@ -16,8 +16,8 @@ namespace postlens {
 /// `odd`. The index for coordinate c is floor((c - offset) / size), without rounding error.
 struct Checker {
     int dimensions = 3;  ///< 3: cells in object-space x, y, z; 2: cells in u, v
-    /// for each axis, length of a checker cell, in object-space metres or in (u, v); infinite if the pattern
-    /// is constant along the axis
+    /// for each axis, the edge length of a cell of the checkerboard; in metres in object space or, for a
+    /// pattern in (u, v), in units of u and v; infinite if the pattern is constant along the axis
     glm::dvec3 size{1};
     glm::dvec3 offset{0};
     glm::dvec3 even{1}, odd{0};
@@ -58,9 +58,10 @@ class Texture {
     [[nodiscard]] glm::dvec3 colour_at(const glm::dvec3& place) const {
         return colour(place, glm::dvec2(place));
     }
-    /// Returns the range of all colours that the texture has in the box with the corners `low` and `high`. If
-    /// an image's texture coordinates of the corners are half an image or more apart, a seam of the
-    /// coordinates probably lies between them. Then only the corners' colours are included.
+    /// Returns the range of all colours that the texture has in the box with the corners `low` and `high`.
+    /// The texture coordinates of an image may have a seam, where they jump from one border of the image to
+    /// the opposite one. If those of the two corners are half an image or more apart, a seam probably lies
+    /// between them. In this case, only the colours of the corners are included.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

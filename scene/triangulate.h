@@ -18,9 +18,11 @@ struct Triangulation {
     PolygonFault fault = PolygonFault::none;
 };
 
-/// Divides a simple polygon of at least 3 corners into triangles. It may be concave and need not be flat.
-/// A convex polygon becomes a fan about its first corner. Others are divided by ear clipping [meisters1975].
-/// Corners may be collinear or repeated. Triangles without area are omitted.
+/// Divides a polygon into triangles. The polygon must be simple (its sides do not cross) and have at least 3
+/// corners. It may be concave and need not be flat. Its corners may be collinear or repeated. A convex
+/// polygon becomes a fan of triangles about its first corner. Others are divided by ear clipping
+/// [meisters1975]. Triangles without area are omitted.
+///
 /// If `fault` is set, `triangles` is empty.
 [[nodiscard]] Triangulation triangulate(std::span<const glm::dvec3> polygon);
 

@@ -57,8 +57,9 @@ def main():
     common = ["--quiet", "--json"]
     scene = ["--metres-per-unit", o.metres_per_unit, "--size", o.size]
     lens = ["--f-number", o.f_number, "--focus", o.focus]
-    # The scene is traced with the film distance of its camera, which determines the size of objects in the image. So
-    # --focal-length changes only the lens diameter, which is focal length / f-number.
+    # The scene is traced with the film distance of its own camera. This distance determines how large objects appear in
+    # the image. The option --focal-length does not change it. It changes only the diameter of the lens, which is focal
+    # length / f-number.
     length = ["--focal-length", o.focal_length] if o.focal_length else []
     levels = ["--subdivide", o.subdivide] if o.subdivide else []
     trace = run(postlens, "trace", o.scene, "-o", out("frame.exr"), *scene, *levels, "--overscan", "auto", "--for-f-number",

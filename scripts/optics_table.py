@@ -18,8 +18,9 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "..", "samples", "scenes", "optics")
-# For each scene, the focus distances in m, and the window in which images are compared: left, top, right, bottom, as
-# fractions of the frame. In this window, no lens point sees past the object's silhouette.
+# The test cases. For each scene, the first element lists the focus distances in m. The second is the window in which
+# images are compared: its left, top, right and bottom edges, as fractions of the image's width and height. The window
+# is chosen so that no lens point sees past the object's silhouette.
 CASES = {
     "flat_mirror": ([1.2, 5.4], (0.22, 0.22, 0.78, 0.78)),
     "convex_mirror": ([1.1, 1.33], (0.32, 0.18, 0.68, 0.82)),

@@ -15,8 +15,8 @@ namespace postlens {
 /// images of a sweep.
 struct FrameDepths {
     int width = 0, height = 0;
-    /// Per pixel: inverse depth along the optical axis, in 1/m, of the surface seen at its upper left corner;
-    /// 0 if nothing was hit.
+    /// For each pixel: the inverse depth, in 1/m, of the surface that is seen at the pixel's upper left
+    /// corner. The depth is measured along the optical axis. The value is 0 if the ray hit nothing.
     std::vector<float> inverse_z;
 };
 [[nodiscard]] FrameDepths frame_depths(FocusFrame& frame);

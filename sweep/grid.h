@@ -34,8 +34,9 @@ struct SweepSetting {
 
 struct SweepGrid {
     std::vector<SweepSetting> pictures;
-    /// Images per row of the contact sheet: the number of values of the innermost setting that has several.
-    /// So each row shows a series.
+    /// Number of images in each row of the contact sheet, which shows thumbnails of all images. It equals the
+    /// number of values of the innermost setting that has several values. Therefore, each row of the sheet
+    /// shows a series in which only this setting varies.
     std::size_t row = 1;
 };
 

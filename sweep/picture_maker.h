@@ -21,9 +21,9 @@ namespace postlens {
 /// Settings that all images of a sweep share. Their names and defaults are those of the command `focus`, or
 /// of `shoot` for images with motion blur.
 struct PictureSettings {
-    /// Method that makes all images. The default with a shutter (motion blur) is lightfield, and hybrid and
-    /// automatic are allowed too. The default without a shutter is usual_method: layers or scatter, depending
-    /// on the file.
+    /// Method that makes all images of the sweep. If the images have motion blur (a shutter), the default is
+    /// lightfield, and the only other choices are hybrid and automatic. Without a shutter, the default is
+    /// what usual_method returns for the file: layers or scatter.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;
@@ -33,8 +33,9 @@ struct PictureSettings {
     ShutterCurve curve = ShutterCurve::box();
     std::vector<ObjectPath> paths;  ///< motion of objects; replaces the motion in the file
     const Scene* scene = nullptr;   ///< scene in which hybrid and automatic trace rays
-    /// PSNR, in dB, that the method `automatic` must reach. If target, scene and shutter are all absent,
-    /// `automatic` uses the method that usual_method chooses for the file.
+    /// Accuracy that the method `automatic` must reach, as a PSNR in dB. If no target, no scene and no
+    /// shutter are given, `automatic` makes the images with the method that usual_method chooses for the
+    /// file.
     std::optional<double> target_db;
     bool predict = false;  ///< predict the error of every image (predict_error)
 };
@@ -48,8 +49,9 @@ void check_counts(const std::optional<int>& depths, const std::optional<int>& vi
 /// Throws Error(wrong_arguments) if --depth-spacing or --depth-model (depth through mirrors and glass) is
 /// given, but has no effect on `method`.
 void check_depth_options(DepthSpacing spacing, DepthModel model, FocusMethod method);
-/// Throws Error(wrong_arguments), naming the option `name`, unless `method` is one that traces rays (hybrid
-/// or automatic). For images with a shutter, this is not checked.
+/// Checks that `method` traces rays, which only hybrid and automatic do. Otherwise, throws
+/// Error(wrong_arguments). `name` is the option that needs rays, and the message begins with it. The class
+/// PictureMaker does not make this check for images with a shutter.
 void check_traces_rays(std::string_view name, FocusMethod method);
 
 struct MadePicture {
@@ -61,8 +63,9 @@ struct MadePicture {
     std::optional<double> predicted_db{};  ///< stated or predicted PSNR, dB; absent if unknown
 };
 
-/// Makes the images of a sweep one at a time. Each is bit-identical to the result of focus_picture,
-/// hybrid_picture or auto_picture. A pinhole's image with a shutter is that of motion_blur.
+/// Makes the images of a sweep, one at a time. Each image is bit-identical to the result of focus_picture,
+/// hybrid_picture or auto_picture, depending on the method. If the lens is a pinhole and the image has a
+/// shutter, it is the result of motion_blur.
 class PictureMaker {
   public:
     /// Prepares to make images from the sample file `file`, to which it keeps a reference. `with_shutter`

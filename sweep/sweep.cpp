@@ -119,8 +119,9 @@ class Sweep {
         return count;
     }
 
-    /// Returns true if an earlier run made image i with equal settings and its file is unchanged. Then keeps
-    /// it, and reads it into `image` unless null.
+    /// Returns whether the image number i can be kept from an earlier run. This is so if the earlier run made
+    /// it with equal settings and its file has not changed since. If so, takes over its row of the table, and
+    /// reads the image into `image`, unless this is null.
     bool keep(std::size_t i, const std::multimap<std::string, SweepRow>& earlier, Image* image) {
         const auto [begin, end] = earlier.equal_range(name_in_json(names_[i]));
         if (begin == end) return false;
@@ -199,8 +200,9 @@ class Sweep {
         });
     }
 
-    /// Number of images made at once. It is 2 for methods that only read a small sample file, because a
-    /// single image does not keep all threads busy.
+    /// Returns the number of images that are made at the same time, 1 or 2. If the method only reads the
+    /// records of a small sample file, a single image does not keep all threads busy, so two are made. Other
+    /// methods use all threads for one image.
     [[nodiscard]] std::size_t at_a_time() const {
         constexpr std::uint64_t most_records = 2'000'000;
         return by_records() && !settings_.picture.predict && file_.record_count() <= most_records ? 2 : 1;
@@ -211,8 +213,9 @@ class Sweep {
                maker_.method() == FocusMethod::pinhole;
     }
 
-    /// Number of images that may be written to files at once, 1 to 4. Together they take at most 64 MiB,
-    /// unless a single one is larger.
+    /// Returns the number of images that may be written to files at the same time, 1 to 4. The images that
+    /// wait to be written are kept in memory. Together, they take at most 64 MiB, unless a single image is
+    /// larger.
     [[nodiscard]] static std::size_t most_finishing(const Image& image) {
         constexpr std::size_t most = 4, bytes_together = std::size_t{64} << 20;
         return std::clamp<std::size_t>(bytes_together / (image.rgb.size() * sizeof(float) + 1), 1, most);
@@ -269,8 +272,9 @@ class Sweep {
         return row;
     }
 
-    /// Calls `use` with the records of the sample file. The methods scatter, layers and pinhole (by_records)
-    /// have them in memory. For other methods, the records are read from the file and then freed.
+    /// Calls `use` with the records of the sample file, and returns its result. If by_records() is true, the
+    /// method of the sweep needs the records for each image, so they are already in memory. Otherwise, they
+    /// are read from the file for this call and then freed.
     auto with_records(const auto& use) {
         if (by_records()) return use(maker_.frame());
         FocusFrame once(file_);

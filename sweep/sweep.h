@@ -26,15 +26,16 @@ struct SweepSettings {
     /// Keeps images of an earlier run in the same folder if sweep.json states equal settings, an equal sample
     /// file and the image's checksum.
     bool resume = false;
-    /// Set if several computers divide a sweep. This one then makes only every N-th image, and writes the
-    /// table sweep.I-of-N.json.
+    /// The share of this computer, if several computers divide a sweep: `I` of `N` shares. It makes only
+    /// every N-th image, and writes the table sweep.I-of-N.json.
     ///
-    /// To join the results, a last run has `resume` but no `share`. It keeps the images of all computers, and
-    /// writes sweep.csv and contact.png.
+    /// When all computers have finished, the results are joined by a last run, which has `resume` but no
+    /// `share`. It keeps the images of all computers, and writes sweep.csv and contact.png.
     std::optional<Share> share;
     std::string part;      ///< JSON that a share's table stores under the key "part"; empty: none
     Join join = Join::no;  ///< if not `no`, with `resume`: no image is made
-    /// Other input files on which the images depend. If one has changed, no image of an earlier run is kept.
+    /// Paths of other input files on which the images depend, for example the scene. If the contents of one
+    /// of these files have changed since an earlier run, no image of that run is kept.
     std::vector<std::filesystem::path> depends_on;
     Damage damage = Damage::refuse;        ///< handling of damage in the sample file
     std::optional<double> exposure_stops;  ///< exposure of all images; absent: the file's

@@ -14,8 +14,9 @@
 
 namespace postlens {
 
-/// Returns the raster positions, in px, at which the circle of confusion is reported: those of the settings,
-/// or a 3 x 3 grid.
+/// Returns the raster positions, in px, at which the circle of confusion is reported in the table of the
+/// sweep. If the settings contain positions, these are returned. Otherwise, the positions form a grid of 3 x
+/// 3 points.
 [[nodiscard]] std::vector<glm::dvec2> sweep_points(const SweepSettings& s, const SampleHeader& h);
 
 /// Returns the images' file names, in the order of the grid.

@@ -66,8 +66,9 @@ void add_stops(const std::string& option, std::string_view text, std::vector<dou
         fail(ExitCode::wrong_arguments, "{}: range runs backwards (got {}; expected FROM not above TO)",
              option, text);
     }
-    // The last f-number may exceed the end of the given range by this many stops, because engraved f-numbers
-    // are rounded: f/11 is f/11.31, 0.08 stops more.
+    // The f-numbers engraved on a lens are rounded. For example, f/11 stands for f/11.31, which is 0.08 stops
+    // more. If a user gives 11 as the end of a range, the value 11.31 must be included. Therefore, the last
+    // value may exceed the given end by this many stops.
     constexpr double missed_stops = 0.1;
     const double stops = 2 * std::log2(to / from);
     const double steps = std::floor((stops + std::min(missed_stops, *step / 2)) / *step);

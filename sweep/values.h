@@ -17,15 +17,17 @@ inline constexpr std::size_t most_pictures = 10000;
 /// Each function parses "ITEM,ITEM,...", where an item is a value or a range. Throws Error(wrong_arguments),
 /// with a message that begins with `option`, for anything else and for repeated values.
 
-/// Parses f-numbers: positive numbers, or `inf` for the pinhole. A range is FROM:TO:STEP with STEP in stops
-/// ("1/2" or "0.5").
+/// Parses f-numbers, which are positive numbers or `inf` for the pinhole. A range is written as FROM:TO:STEP,
+/// where STEP is in stops, for example "1/2" or "0.5".
 ///
-/// The last value may exceed TO, because engraved f-numbers are rounded: 2:11:1 ends at 11.31. The excess is
-/// at most a tenth of a stop, and at most half a step.
+/// The last value of a range may exceed TO, because the f-numbers engraved on a lens are rounded. For
+/// example, 2:11:1 ends at 11.31, which is engraved as 11. The excess is at most a tenth of a stop, and at
+/// most half a step.
 [[nodiscard]] std::vector<double> f_number_list(const std::string& option, std::string_view text);
 
-/// Parses focus distances in m, positive or `inf`. A range is FROM:TO:COUNT, rising or falling, with both
-/// ends. Values are evenly spaced in 1/s.
+/// Parses focus distances s in m, which are positive numbers or `inf`. A range is written as FROM:TO:COUNT.
+/// It may rise or fall, and includes both ends. Its COUNT values are evenly spaced in 1/s, because the blur
+/// changes almost linearly with 1/s.
 [[nodiscard]] std::vector<double> focus_list(const std::string& option, std::string_view text);
 
 /// Parses focal lengths in mm, finite and positive. A range is FROM:TO:COUNT, rising or falling, with both
@@ -35,8 +37,9 @@ inline constexpr std::size_t most_pictures = 10000;
 /// Parses shutters OPEN:CLOSE, finite times in s. OPEN must not be after CLOSE.
 [[nodiscard]] std::vector<TimeSpan> shutter_list(const std::string& option, std::string_view text);
 
-/// Parses impulse responses, separated by commas, as `parse_impulse` does. A comma may also separate
-/// wavelengths. So it begins a new impulse response only if a kind, such as "disc", follows.
+/// Parses a list of impulse responses, which are separated by commas. Each of them is parsed by
+/// `parse_impulse`. The wavelengths of one impulse response may be separated by commas too. Therefore, a
+/// comma begins a new impulse response only if a kind follows, such as "disc".
 [[nodiscard]] std::vector<Impulse> impulse_list(const std::string& option, std::string_view text);
 
 }  // namespace postlens

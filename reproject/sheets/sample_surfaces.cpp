@@ -12,9 +12,9 @@ namespace {
 constexpr double steepest_slope = 40;
 
 /// Combines the records [first, last) of one eye ray into the surface `out`. They belong to one layer: 0 for
-/// the visible surface, 1 or more for a hidden one. The first record is the ray's direct hit, and the others
-/// are its reflections and refractions. The radiance of `out` is the sum over all of them. Returns false if
-/// the direct hit is not recorded.
+/// the visible surface, 1 or more for a hidden one. The first record should be the ray's direct hit. The
+/// others are reflections and refractions seen there. The radiance of `out` is the sum over all of them.
+/// Returns false if the direct hit is not recorded.
 bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
     const Record& primary = *first;
     const bool known = primary.path.bits() == 0;

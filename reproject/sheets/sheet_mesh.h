@@ -86,9 +86,8 @@ enum class Hides : std::uint8_t {
     unknown    ///< a part that may not be recorded
 };
 
-/// Bright radiance of a recorded surface that exceeds a limit. It is removed from the surface, because views
-/// of a light field would show it with noise. Instead, the lens's point spread function spreads it over the
-/// image.
+/// Bright radiance of a recorded surface that exceeds a limit. It is removed from the surface, so the views
+/// of a light field do not show it. Instead, the lens's point spread function spreads it over the image.
 struct Highlight {
     float x = 0, y = 0;          ///< raster px
     std::array<float, 3> rgb{};  ///< radiance times px^2

@@ -14,8 +14,9 @@ namespace {
 
 // Largest total number of values in all accessors (typed arrays) of a glTF document: 1 GiB as floats.
 constexpr std::size_t most_numbers = std::size_t{1} << 28;
-// Largest number of elements of a glTF accessor without a buffer. They are all zero, so a tiny file could
-// have many.
+// An accessor (a typed array of a glTF document) may have no buffer. All its elements are then 0, so they
+// take no space in the file. A tiny file could therefore demand any amount of memory. This is the largest
+// number of elements that is accepted for such an accessor.
 constexpr std::size_t most_zeros = std::size_t{1} << 24;
 
 enum Component : unsigned {

@@ -32,14 +32,17 @@ struct GltfNodeCurves {
     /// Returns the node's placement (translation, rotation, scale) at a time. `own` provides the properties
     /// that have no curve.
     [[nodiscard]] Placement at(double time_s, const Placement& own) const;
-    /// Returns the times of all keyframes, ascending. A step curve jumps at every keyframe except the first.
-    /// So that interpolation keeps the value until the jump, another time precedes it by shortest_key_gap_s.
+    /// Returns the times of all keyframes of these curves, in s and ascending. A step curve keeps each value
+    /// until the next keyframe, where it jumps. But values between two of the returned times are
+    /// interpolated. Therefore, another time is inserted before each jump, earlier by shortest_key_gap_s, so
+    /// that the value is kept up to there.
     [[nodiscard]] std::vector<double> times_s() const;
 };
 
-/// Returns the curves of all animated nodes, by index of the node. Throws Error(invalid_input).
-/// All animations of the document play at the same time. Translations are multiplied by `metres_per_unit`.
-/// There is a note to the user for what is ignored:
+/// Returns the animation curves of all animated nodes. The key is the index of the node in the document. All
+/// animations of the document play at the same time. Translations are multiplied by `metres_per_unit`. Throws
+/// Error(invalid_input).
+/// `notes` gets a note to the user for each thing that is ignored:
 /// - a second animation of the same property
 /// - animations of morph weights
 /// - KHR_animation_pointer

@@ -36,8 +36,9 @@ struct GltfDocument {
     /// Returns element `index` of an array of the document. The element must exist.
     [[nodiscard]] JsonPlace item(const char* array, std::size_t index) const;
 
-    /// Returns the bytes of a data URI or of a file, which is added to `files`.
-    /// `place` is the JSON object that contains the URI, for error messages.
+    /// Returns the bytes to which `uri` refers. It is either a data URI, which contains the bytes, or the
+    /// path of a file, which is read and added to `files`. `place` is the JSON object that contains the URI;
+    /// error messages name it.
     /// Throws Error(invalid_input):
     /// - for other kinds of URI
     /// - for a file that cannot be read

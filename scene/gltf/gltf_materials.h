@@ -15,8 +15,9 @@ struct GltfMaterials {
     std::vector<UvSource> uvs;        ///< for each material, the texture coordinates of its textures
 };
 
-/// Reads all materials and converts them to Whitted's model, with notes on what is ignored.
-/// Textures of metallic, roughness or transmission are replaced by their means. Throws Error(invalid_input).
+/// Reads all materials of the document and converts them from glTF's metallic-roughness model to Whitted's
+/// model. Textures that vary the metallic value, the roughness or the transmission are replaced by their mean
+/// value. `notes` gets notes to the user on what is ignored. Throws Error(invalid_input).
 [[nodiscard]] GltfMaterials read_gltf_materials(GltfDocument& document, SceneNotes& notes);
 
 }  // namespace postlens

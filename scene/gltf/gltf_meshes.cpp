@@ -98,8 +98,9 @@ class PrimitiveReader {
             });
         const auto dropped = mesh_.triangles.end() - kept;
         mesh_.triangles.erase(kept, mesh_.triangles.end());
-        // Triangle strips contain triangles without area on purpose, to join pieces of a mesh. So no note
-        // says that they are left out.
+        // Triangles without area have just been removed. In a triangle strip, such triangles are normal,
+        // because they join pieces of a mesh. Therefore, a note to the user says that they are left out only
+        // if the mesh is not a strip.
         if (mode != strip) {
             for (auto i = dropped; i > 0; --i) notes_.add("a triangle without area is left out");
         }
@@ -123,9 +124,9 @@ class PrimitiveReader {
         mesh_.uvs.reserve(t->count);
         for (std::size_t i = 0; i < t->count; ++i) {
             const double u = source.scale.x * t->values[2 * i], v = source.scale.y * t->values[2 * i + 1];
-            // KHR_texture_transform scales, rotates and then offsets. The rotation is counter-clockwise on
-            // the image, where v points down. In the mesh, v points up, so the result for v is subtracted
-            // from 1.
+            // Applies the glTF extension KHR_texture_transform to the texture coordinates (u, v). It scales
+            // them, then rotates them, and then adds an offset. The rotation is counter-clockwise on the
+            // image, where v points down. In the mesh, v points up, so the resulting v is subtracted from 1.
             mesh_.uvs.emplace_back(c * u + s * v + source.offset.x, 1 - (-s * u + c * v + source.offset.y));
         }
     }

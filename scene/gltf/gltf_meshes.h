@@ -26,8 +26,10 @@ struct GltfPart {
     std::optional<std::size_t> material;  ///< index in the document; empty for the default material
 };
 
-/// Returns the primitives of mesh `index` that have triangles. Lengths are in metres. Adds notes on what is
-/// ignored. `uvs` holds the texture coordinates of each material. Throws Error(invalid_input).
+/// Reads the mesh with the index `index` and returns its primitives (parts with one material) that have
+/// triangles. Lengths are multiplied by `metres_per_unit`, so they are in metres. `uvs` tells for each
+/// material which texture coordinates it uses. `notes` gets notes to the user on what is ignored. Throws
+/// Error(invalid_input).
 [[nodiscard]] std::vector<GltfPart> read_gltf_mesh(const GltfDocument& document, std::size_t index,
                                                    GltfAccessors& accessors, const std::vector<UvSource>& uvs,
                                                    double metres_per_unit, SceneNotes& notes);

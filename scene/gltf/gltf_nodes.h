@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// A node of the displayed scene.
-/// `frame` is the animated node with which it moves: itself or its nearest animated ancestor.
+/// A node of the displayed glTF scene. If the node moves, `frame` is the animated node whose motion it
+/// follows. This is the node itself if it is animated, or otherwise its nearest animated ancestor.
 struct GltfNode {
     std::size_t index = 0;             ///< in the document
     glm::dmat4 world_from_node{1};     ///< at rest, that is without animations

@@ -14,9 +14,10 @@
 
 namespace postlens {
 
-/// Gives assimp the contents of files from memory, as UTF-8, with MTL files rewritten (obj_text.h).
-/// Does not open files outside the scene's folder, and writes no files.
-/// Lists requested files that are missing or outside the folder.
+/// Provides files to the library assimp, which reads OBJ scenes. The contents are passed from memory and
+/// converted to UTF-8, and MTL files (materials) are rewritten by obj_text.h. Files outside the scene's
+/// folder are not opened, and no files are written. If a requested file is missing or outside the folder, it
+/// is listed.
 class MeshFiles : public Assimp::IOSystem {
   public:
     /// `text` is the content of the scene file, an OBJ file as rewritten by `rewritten_obj`.

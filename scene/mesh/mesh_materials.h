@@ -17,8 +17,9 @@
 
 namespace postlens {
 
-/// Ambient light of scenes from OBJ and PLY files. It is multiplied by Ka, the material's ambient
-/// coefficient. The value is low, because exporters write Ka = 1 into most materials.
+/// Intensity of the ambient light in scenes from OBJ and PLY files. It is multiplied by Ka, the material's
+/// ambient coefficient. Exporters write Ka = 1 into most materials, which would make them too bright.
+/// Therefore, the intensity is low.
 inline constexpr double mesh_ambient_light = 0.1;
 
 class MeshMaterials {
@@ -26,8 +27,9 @@ class MeshMaterials {
     MeshMaterials(std::filesystem::path scene_path, std::vector<ReferredFile>& files, SceneNotes& notes)
         : scene_path_(std::move(scene_path)), files_(files), notes_(notes) {}
 
-    /// Converts an assimp material. `pictures` contains the options (scale, offset, ...) of its texture
-    /// images. Throws Error(invalid_input) if the path of a texture leads out of the scene's folder.
+    /// Converts a material that the library assimp has read. `pictures` contains the options of the
+    /// material's texture images, such as their scale and offset. Throws Error(invalid_input) if the path of
+    /// a texture leads out of the scene's folder.
     [[nodiscard]] Material read(const aiMaterial& from, const MaterialPictures& pictures);
     /// Returns the default material, which is white and diffuse.
     [[nodiscard]] static Material plain();

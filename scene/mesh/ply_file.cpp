@@ -29,8 +29,9 @@ std::optional<std::size_t> place_of(const PlyElement& e, std::initializer_list<s
     return std::nullopt;
 }
 
-// Finds several properties of a PLY element, each of which may have one of several names. Returns their
-// indices, or empty if a property is missing.
+// Finds `count` properties of a PLY element, for example the coordinates of a vertex. Each property may have
+// one of several names, which `names` lists. Returns the indices of the properties in the element, or empty
+// if a property is missing.
 template <std::size_t count>
 std::optional<std::array<std::size_t, count>> places_of(
     const PlyElement& e, const std::array<std::initializer_list<std::string_view>, count>& names) {

@@ -32,8 +32,9 @@ struct PlyHeader {
     std::string texture_file;  ///< from a "TextureFile" comment, which MeshLab and VCGlib write; or empty
 };
 
-/// Removes the header from the front of `bytes`. Throws Error(invalid_input) "FILE: ...".
-/// All lines must end like the first one: with CR alone, or with LF. A CR before LF is ignored.
+/// Reads the header of a PLY file and removes it from the front of `bytes`. All lines of the header must end
+/// like the first one: either with CR alone, or with LF. A CR before LF is ignored. Throws
+/// Error(invalid_input) with a message that begins with "FILE: ", where FILE is `file`.
 [[nodiscard]] PlyHeader take_ply_header(std::string_view& bytes, const std::string& file);
 
 }  // namespace postlens

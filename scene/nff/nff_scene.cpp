@@ -122,7 +122,8 @@ class NffReader {
 
     int read_resolution() {
         const double pixels = tokens_.number("'resolution'", largest_length_m);
-        // 'angle' is measured between the centres of the first and last row of pixels, so there must be at
+        // The field of view of an NFF file, 'angle', is measured between the centres of the first and the
+        // last row of pixels. With a single row, this angle would be 0. Therefore, the image must have at
         // least two rows.
         if (!(pixels >= 2 && pixels <= largest_raster_px) || pixels != std::floor(pixels)) {
             tokens_.fail_here("'resolution' is out of range (got {}; expected a whole number of 2 to {} px)",

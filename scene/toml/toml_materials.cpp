@@ -127,8 +127,9 @@ Material read_material(const TomlTable& t, const TexturesByName& textures) {
     m.transmission = t.number_or_vec3("transmission", share_range).value_or(m.transmission);
     m.ior = t.number("ior", {.min = 0.01, .max = 100}).value_or(m.ior);
     m.fresnel = t.flag("fresnel").value_or(m.fresnel);
-    // The grazing colours, i.e. the reflection and highlight at grazing angles, are 1 by default. They are 0
-    // for a material without reflection or highlight.
+    // `reflection_grazing` and `specular_grazing` are the colours of the reflection and of the highlight at
+    // grazing angles. Both are 1 by default. But if a material has no reflection or no highlight at all, it
+    // must have none at grazing angles either. Therefore, the colour is set to 0.
     if (m.reflection == dvec3(0)) m.reflection_grazing = dvec3(0);
     if (m.specular == dvec3(0)) m.specular_grazing = dvec3(0);
     m.reflection_exponent = t.number("reflection_exponent", exponent).value_or(m.reflection_exponent);

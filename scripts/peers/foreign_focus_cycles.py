@@ -41,8 +41,8 @@ def run(command, log=None, environment=None):
 def blender(out, arguments, words):
     if arguments.keep and os.path.exists(out):
         return
-    # Blender's Python loads the standard library of the first python3 on the search path. It must be Debian's python3,
-    # which has numpy.
+    # Blender contains a Python interpreter, but takes the standard library from the first python3 on the search path.
+    # This must be Debian's python3 in /usr/bin, because it has the module numpy. Therefore, /usr/bin is put first.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
     quiet = ["-b", "--factory-startup", "-noaudio", "--python-exit-code", "1"]

@@ -28,8 +28,9 @@ HEIGHT_M = 3  # height of the point light and the spot above the floor
 FIELD_M = 4  # side of the square of floor that the image shows
 FILM_MM = 36
 SIZE_PX = 64
-# For each kind of light, its power (W, or W/m^2 for the sun) and its rotation about x in degrees. The sun and the
-# spot are rotated to test the cosine of the angle of incidence: their light meets the floor obliquely.
+# The lights that are compared. For each kind of light, the first number is its power, in W, or in W/m^2 for the sun.
+# The second number is its rotation about the x axis, in degrees. The sun and the spot are rotated, so that their light
+# meets the floor obliquely. This tests the cosine of the angle of incidence.
 LIGHTS = {"SUN": (2, 30), "POINT": (1000, 0), "SPOT": (1000, 20)}
 LIMIT = 0.01  # greatest deviation of a ratio from 1
 TIMEOUT_S = 600

@@ -20,12 +20,13 @@ import sys
 
 RASTER_PX = 512
 MAX_DEPTH = 5  # levels of a shading tree, including the eye ray, that the SPD scenes require
-# POV-Ray multiplies the diffuse and ambient light of a pigment with `filter` by 1 - T, where T is the transmittance.
-# The output divides both by 1 - T, so T must be below 1.
+# Largest transmittance T that can be converted to POV-Ray. If a pigment has a `filter`, POV-Ray multiplies its diffuse
+# and ambient light by 1 - T. To undo this, both are divided by 1 - T in the output. Therefore, T must be below 1.
 LARGEST_TRANSMITTANCE = 1 - 1e-6
 DEFAULT_FILL = [1.0, 1.0, 1.0, 0.8, 0.0, 32.0, 0.0, 1.0]
-# The outline of a convex polygon turns in the same direction at every corner. Coordinates rounded to six digits may
-# turn it slightly in the opposite direction. Such a turn is accepted if the sine of its angle is at most this value.
+# Tolerance of the test whether a polygon is convex. The outline of a convex polygon turns in the same direction at
+# every corner. But the coordinates in the file are rounded to six digits, so the outline may turn slightly in the
+# opposite direction. Such a turn is accepted if the sine of its angle is at most this value.
 LARGEST_REFLEX = 1e-4
 
 

@@ -158,7 +158,8 @@ class View:
         camera = bpy.data.cameras.new("camera")
         camera.sensor_fit, camera.sensor_width, camera.lens = "HORIZONTAL", self.film_width_mm, self.focal_length_mm
         camera.clip_start, camera.clip_end = 1e-3, 1e6
-        # With blades = 0, the aperture is a disc. Its radius is focal length / (2 f-number), in Blender as in postlens.
+        # Sets up a camera with depth of field. In Blender as in postlens, the radius of the aperture is focal length /
+        # (2 f-number). The aperture has 0 blades, which means that it is a disc.
         camera.dof.use_dof = math.isfinite(f_number)
         if camera.dof.use_dof:
             camera.dof.aperture_fstop, camera.dof.focus_distance = f_number, focus_m
@@ -184,8 +185,9 @@ def checker(nodes, links, table, emission):
             made.inputs[1].default_value = value
         return made
 
-    # The checkerboard is computed by arithmetic nodes, because Blender's Checker Texture node would shift the borders
-    # of its cells. A cell of infinite size x has the factor 1 / x = 0.
+    # Blender has a node for checkerboards (Checker Texture), but it would shift the borders of the cells. Therefore,
+    # the checkerboard is computed by arithmetic nodes. They multiply the position by 1 / x, where x is the size of a
+    # cell. If x is infinite, the factor is 0, so the pattern is constant along this axis.
     shares = [1 / x for x in triple(needed(what, table, "size_m"))]
     at = nodes.new("ShaderNodeTexCoord").outputs["Object"]
     at = node("ShaderNodeVectorMath", at, triple(table.get("offset_m", 0)), "SUBTRACT").outputs["Vector"]

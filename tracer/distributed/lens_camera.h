@@ -37,8 +37,9 @@ class LensCamera {
     /// aperture radius of 0 in `settings`.
     LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
 
-    /// Sixteen image positions (px), each with its lens point, in lens radii along the raster's axes.
-    /// Not for cameras with a lens prescription.
+    /// Sixteen samples for which rays are made together. `x` and `y` are the positions in the image, in px.
+    /// `lens` gives for each sample the lens point at which its ray starts, in lens radii along the raster's
+    /// axes. Not for cameras with a lens prescription (a real lens).
     struct PointSamples {
         alignas(64) std::array<float, 16> x, y;
         std::array<glm::dvec2, 16> lens;
@@ -49,11 +50,12 @@ class LensCamera {
     /// it transmits along each ray is appended to `weights`.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
-    /// Adds 16 rays with unit directions to the batch.
-    /// If the lens may block light (`loses_rays`), appends each ray's transmittance to `weights`.
+    /// Adds 16 rays, whose directions have unit length, to `batch`. If the lens may block light, i.e. if
+    /// loses_rays() is true, the fraction of light that the lens transmits along each ray is appended to
+    /// `weights`.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
-    /// Returns true if the lens may block some light, so that rays have weights below 1. If false, add_rays
-    /// appends no weights, because all are 1.
+    /// Returns whether the lens may block a part of the light. If so, the rays have weights, which may be
+    /// below 1. If not, all weights would be 1, so add_rays does not append them.
     [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
 
     /// A ray in double precision, to test the float rays. `time` is a fraction of the shutter interval.

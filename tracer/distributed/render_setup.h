@@ -25,8 +25,8 @@ class RenderSetup {
     [[nodiscard]] const TimeSpan& span() const { return span_; }
     [[nodiscard]] const ThinLens& lens() const { return lens_; }
     [[nodiscard]] double focus_m() const { return focus_m_; }
-    /// Returns all inputs that determine the image, as one line of JSON. A render is resumed only if they are
-    /// equal.
+    /// Returns all inputs that determine the image, as one line of JSON. This line is stored with an
+    /// unfinished render. The render can be resumed only if the line is equal to that of the new run.
     [[nodiscard]] std::string fingerprint(const RenderSettings& settings) const;
 
   private:

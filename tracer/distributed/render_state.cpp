@@ -30,8 +30,9 @@ constexpr const char* checksum_attribute = "postlens:checksum";
 /// Name of the OpenEXR attribute that describes, as JSON, which sums of radiance the file holds per pixel.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit words per pixel in the file: 3 for the image and, for each half of the
-// samples, 1 for their number and 6 (three doubles) for the radiance sum of each block of samples.
+// Returns the number of 32-bit words that the file stores for each pixel. 3 of them are for the image. In
+// addition, each half of the samples needs 1 word for the number of samples, and 6 words (three doubles) for
+// the radiance sum of each block of samples.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -41,10 +42,9 @@ std::size_t words_per_pixel(const RenderState& s) {
     return words_per_pixel(s.halves, s.blocks, !s.open[0].empty());
 }
 
-/// Returns the OpenEXR channels of an unfinished render. There is one channel for each 32-bit word of a
-/// pixel.
-/// Each channel points to the first pixel's value in `words`. If `words` is null, the channels point to
-/// nothing.
+/// Returns the OpenEXR channels in which an unfinished render is stored. There is one channel for each 32-bit
+/// word of a pixel. Each channel points to its value for the first pixel in `words`. If `words` is null, the
+/// channels point to nothing.
 std::vector<FlatExr::Channel> channels(const RenderState& s, const std::uint32_t* words) {
     std::vector<FlatExr::Channel> out;
     const auto add = [&](std::string name, ExrChannel::Type type) {
@@ -147,8 +147,9 @@ RenderState::RenderState(int w, int h, int count, double stops, int blocks_apart
 }
 
 std::uint64_t RenderState::bytes(int width, int height, int halves, int blocks, bool with_open) {
-    // Memory per pixel: radiance sums (24 bytes each), numbers of samples (4 bytes each), a copy in the
-    // file's layout, two float images.
+    // Returns the memory that a render needs, in bytes. Each pixel has sums of radiance (24 bytes for each
+    // sum), numbers of samples (4 bytes for each half), a copy of all this in the layout of the file, and its
+    // values in two float images (24 bytes together).
     const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     const auto sums = static_cast<std::uint64_t>(blocks) + (with_open ? 1U : 0U);
     return pixels * ((24 * sums + 4) * static_cast<std::uint64_t>(halves) +

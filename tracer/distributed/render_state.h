@@ -12,21 +12,23 @@
 
 namespace postlens {
 
-/// Largest number of blocks into which the samples of a pixel are divided.
-/// It also limits N in `--share I/N`, because each run renders whole blocks.
+/// Largest number of blocks into which the samples of a pixel are divided. If several runs share a render,
+/// each run renders whole blocks. Therefore, this is also the largest N in the option `--share I/N`.
 inline constexpr int most_sample_blocks = 64;
 
-/// An unfinished render: sums of radiance and numbers of samples per pixel. Each block of a pixel's samples
-/// has its own sum, and these sums are added in order. So the image does not depend on which run (--share)
-/// rendered which block.
-/// The samples may form two independent halves with separate sums. The difference of the two means shows the
-/// noise.
+/// An unfinished render: the sums of radiance and the numbers of samples of all pixels. The samples of a
+/// pixel are divided into blocks. Each block has its own sum, and the sums are added in a fixed order.
+/// Therefore, the image does not depend on which run (--share) rendered which block.
+///
+/// The samples may form two independent halves, which have separate sums. The difference of their two means
+/// shows the noise of the image.
 struct RenderState {
     int width = 0, height = 0, halves = 1;
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
     double exposure_stops = 0;  ///< exposure of the sums
-    /// Sums of radiance times exposure, 3 doubles (RGB) per pixel, row-major. If the samples form two
-    /// independent halves, each half has its own array; otherwise the second array is empty.
+    /// Sums of radiance times exposure. There are 3 doubles (RGB) for each pixel, and the pixels follow row
+    /// by row. If the samples form two independent halves, each half has its own array. Otherwise, the second
+    /// array is empty.
     std::array<std::vector<double>, 2> sums;
     /// The samples of a pixel are divided into blocks, and a block is added to `sums` only when it is
     /// complete. These are the sums of radiance times exposure over the samples of the block that is not yet
@@ -59,9 +61,9 @@ struct RenderPart {
     std::string settings, mark;  ///< as passed to write_state
 };
 
-/// Reads a part of a render that several runs share (--share). With `facts_only`, reads only its size, its
-/// exposure and whether its samples form two halves.
-/// Returns nothing if the file is not a part of a render. Throws Error(invalid_input) if the part is damaged.
+/// Several runs may share a render (option --share), and each writes its part to a file. Reads such a part.
+/// With `facts_only`, reads only its size, its exposure and whether its samples form two halves. Returns
+/// nothing if the file is not a part of a render. Throws Error(invalid_input) if the part is damaged.
 [[nodiscard]] std::optional<RenderPart> read_render_part(const std::filesystem::path& path,
                                                          bool facts_only = false);
 

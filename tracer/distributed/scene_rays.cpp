@@ -18,8 +18,9 @@ SceneRays::SceneRays(const RenderSetup& setup, const DistributedSettings& settin
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.has_extent(); });
     for (const Object& o : scene.objects) {
         const Material& m = scene.materials[o.material];
-        // Rays choose directions in glossy lobes and points of area lights at random, so the radiance that
-        // they return for such surfaces is noisy. The sample file stores the mean radiance instead.
+        // Finds the objects whose radiance is noisy when rays compute it. Rays choose directions in glossy
+        // lobes and points of area lights at random, so each ray returns another value for such a surface.
+        // The sample file stores the mean radiance instead, so a single ray cannot be compared with it.
         if (m.has_lobe() || (sampled && m.answers_lights())) unsteady_.insert(o.id);
         if (m.has_lobe()) steady_mirrors_ = false;
     }

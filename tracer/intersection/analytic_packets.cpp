@@ -33,8 +33,8 @@ void drop_start(Crossings<T>& c) {
     }
 }
 
-// Intersects every valid ray of an Embree packet with one primitive.
-// `of(rays, i)` returns the distances at which ray i crosses the primitive.
+// Intersects all valid rays of a packet (the group of rays that Embree passes to this function) with one
+// primitive. The callback `of(rays, i)` must return the distances at which ray i crosses the primitive.
 template <typename Found>
 void intersect_item(const RTCIntersectFunctionNArguments* args, const Found& of) {
     const auto& context = context_of(args->context);

@@ -115,8 +115,8 @@ dmat3 tangential(const dvec3& n) {
     return dmat3(1) - glm::outerProduct(n, n);
 }
 
-// Describes a cone at a point of its lateral surface. k is the change of radius per unit of height.
-// The normal (outward.x, outward.y, -k) has the length `norm`.
+// Geometry of a cone at one point of its lateral surface. `k` is the change of the cone's radius per unit of
+// height. The vector (outward.x, outward.y, -k) is normal to the surface, and `norm` is its length.
 struct ConeAt {
     double k, norm, rho;  // rho: distance from the axis
     dvec2 outward;        // unit, away from the axis

@@ -27,9 +27,9 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
     return a * (1 - share) + b * share;
 }
 
-// Returns the largest error, px, that the approximate transform `taken` causes in a box, compared with the
-// exact transform `truth`. Only corners are tested: the error is a convex function of the point, so it is
-// largest at a corner.
+// Returns the largest error that an approximate transform, `taken`, causes in a box, compared with the exact
+// transform `truth`. The error is in px. It is a convex function of the point, so it is largest at a corner
+// of the box. Therefore, only the corners are tested.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {
     double farthest_m = 0, scale = 0;
@@ -79,9 +79,10 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     };
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
-    // Embree interpolates the bounds of a moving shape linearly between time steps. `excess` is how far the
-    // shape extends beyond these bounds at tested instants. Between these instants it may extend farther,
-    // limited by `bend`, the second difference of the exact bounds.
+    // Embree interpolates the bounding box of a moving shape linearly between time steps. `excess` is how far
+    // the shape extends beyond the interpolated box at the instants that are tested. Between these instants,
+    // it may extend farther. This additional distance is limited by `bend`, the second difference of the
+    // exact bounds.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

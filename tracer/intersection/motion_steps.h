@@ -29,11 +29,12 @@ struct MotionSteps {
     /// It may exceed the tolerance, because the number of steps is limited.
     double error_px = 0;
 };
-/// Approximates the motion of a mesh by the fewest linear steps that keep its position error within the
-/// tolerance. The number of steps is a power of two, at most most_motion_steps.
-/// The matrix `base` moves the mesh first, and `path` then. The error is measured at the corners of `box`,
-/// the mesh's bounding box before both.
-/// No keyframe of the path may lie between begin_s and end_s.
+/// Approximates the motion of a mesh by linear steps, and returns the fewest steps with an error of position
+/// within the tolerance of `accuracy`. Their number is a power of two, at most most_motion_steps. The mesh is
+/// moved first by the matrix `base` and then by `path`. `box` is its bounding box before both, and the error
+/// is measured at its corners.
+///
+/// No keyframe of `path` may lie between begin_s and end_s.
 [[nodiscard]] MotionSteps motion_steps(const MotionPath& path, const glm::dmat4& base, const Bounds& box,
                                        double begin_s, double end_s, const MotionAccuracy& accuracy);
 

@@ -19,8 +19,9 @@ struct TimeSpan {
     [[nodiscard]] double at(double share) const { return open_s + share * (close_s - open_s); }
 };
 
-/// Identifies a primitive of the Embree scene: the one that a ray hits, or the one on which it starts.
-/// A ray must not hit the latter again at its start.
+/// Identifies one primitive of the Embree scene. For a ray, it is either the primitive that the ray hits, or
+/// the primitive on which the ray starts. The latter is stored, because the ray must not hit it again at its
+/// start.
 struct HitKey {
     static constexpr std::uint32_t none = 0xFFFFFFFFU;
     std::uint32_t geometry = none, primitive = none, instance = none;

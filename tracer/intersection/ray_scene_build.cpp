@@ -153,8 +153,9 @@ void RayScene::Impl::add_instance(InstanceGeometry instance, float begin, float 
     any_cut = any_cut || begin > 0 || end < 1;
 }
 
-// Adds one Embree instance of a moving mesh for each interval between two keyframes.
-// A single instance with equal time steps would smooth the sudden changes of motion at keyframes.
+// Adds a moving mesh to the Embree scene. One Embree instance is added for each interval between two
+// keyframes, because the motion may change suddenly at a keyframe. A single instance with equal time steps
+// would smooth these changes.
 void RayScene::Impl::add_moving_mesh(const std::shared_ptr<const Mesh>& mesh, const MotionPath& path,
                                      std::uint32_t object, const MotionAccuracy& accuracy) {
     Bounds box;
@@ -192,8 +193,9 @@ void RayScene::Impl::add_moving(const MotionPath& path, std::uint32_t object,
 
 void RayScene::Impl::bound_moving() {
     moving.span = span;
-    // Largest number of time steps of a moving object. 32 give tight bounding boxes, and more would only
-    // enlarge Embree's hierarchy of boxes.
+    // Largest number of time steps for the motion of an object. Embree interpolates the object's bounding box
+    // between the steps. With 32 steps, the boxes are tight. More steps would only enlarge Embree's hierarchy
+    // of boxes.
     constexpr int most_steps = 32;
     int steps = 1;
     for (const MovingSet::Item& item : moving.items) {

@@ -14,8 +14,10 @@
 
 namespace postlens {
 
-/// How an object affects shadow rays. Its transmittance is stored as -log2 in fixed point.
-/// These integers are added along a ray, so the order in which it meets surfaces does not matter.
+/// Tells how an object affects shadow rays. Its transmittance for each colour channel is stored as -log2 in
+/// fixed point, i.e. as an integer. Where a ray passes through several surfaces, these integers are added.
+/// Sums of integers do not depend on the order, so it does not matter in which order the ray meets the
+/// surfaces.
 struct ObjectShadow {
     bool casts = true;
     bool transmits = false;
@@ -43,8 +45,8 @@ struct RayContext {
         nullptr;  ///< per geometry id of the top-level scene; null if all exist during the whole span
 };
 
-/// The objects of a scene that are spheres in world space and do not move.
-/// Float values serve to find hits, and double values to compute them exactly.
+/// The objects of a scene that are spheres in world space and do not move. Each sphere is stored twice. The
+/// float values are used to find hits fast, and the double values to compute the hits exactly.
 struct SphereSet {
     std::vector<glm::vec3> centre;
     std::vector<float> radius;

@@ -186,9 +186,9 @@ dmat3 RayScene::Impl::shape_operator(const HitKey& key, const SurfacePoint& at) 
     const Entry& entry = entries[key.instance == HitKey::none ? key.geometry : key.instance];
     if (entry.kind == Kind::spheres) return across / spheres.exact_radius[key.primitive];
     if (entry.kind == Kind::analytic) {
-        // Transforms the derivative of the normal from the shape's frame to world space. `linear` maps
-        // directions from world space to that frame, and the transpose of `linear` maps normals to world
-        // space.
+        // Returns the derivative of the surface normal, transformed from the shape's frame to world space.
+        // `linear` maps directions from world space to the shape's frame. Therefore, its transpose maps
+        // normals from the shape's frame to world space.
         const AnalyticSet::Item& item = analytic.items[key.primitive];
         const dmat3 linear(item.local_from_world);
         const dvec3 local(item.local_from_world * glm::dvec4(at.position, 1));
