@@ -21,8 +21,8 @@ namespace postlens {
 /// Computes a key for each image from its settings and input files. Images with the same key are equal.
 class SweepKeys {
   public:
-    /// A sweep is a series of images of one sample file with different lens settings. A key is a hash of all
-    /// inputs of an image.
+    /// A sweep is a series of images of one sample file with different lens settings. Prepares to compute the
+    /// key of each image, a hash of all inputs on which the image depends.
     /// - `frame`: path of the sample file
     /// - `exposure_stops`: exposure of all images of the sweep
     /// - `at`: raster positions, in px, at which the circle of confusion is reported

@@ -27,8 +27,9 @@ void find_one_by_one(std::span<const Texel> texels, const SeenTile& seen, int wi
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
         for (std::size_t k = row; k < row + static_cast<std::size_t>(width); ++k) {
             const std::uint32_t number = seen.texel[k];
-            // Every pixel is written to the list, but only pixels without a certain colour advance `count`.
-            // This avoids a branch, which would often be mispredicted.
+            // This loop lists the pixels whose colour is uncertain. Every pixel is written to the end of the
+            // list, but only an uncertain one advances `count`. Otherwise, the next pixel overwrites it. This
+            // avoids a branch, which the processor would often mispredict.
             found.pixels[count] = static_cast<std::uint16_t>(k);
             count +=
                 number == SeenTile::no_texel || seen.may_be_hidden(k) || (texels[number].info & doubts) != 0

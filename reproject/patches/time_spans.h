@@ -20,7 +20,7 @@ struct TimeSpanViews {
 };
 
 /// A view is the image for one lens point and instant. Views that show moving objects are reprojected from
-/// one or two recorded instants. This function finds those that use the recorded instant with the index
+/// one or two recorded instants. This function finds the views that use the recorded instant with the index
 /// `instant`, and groups them into short time spans. The result points into `field`, so `field` must outlive
 /// it.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);

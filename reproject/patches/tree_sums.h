@@ -54,9 +54,9 @@ class TreeSums {
     /// Call after the last view, before sum_up.
     void end_views();
     /// Adds the light of reflections and refractions in pixel k to `sum`, which stores the pixel's radiance
-    /// multiplied by `weight`, the summed weight of all views. Returns the summed weight of the views in
-    /// which a reflection or refraction is missing. If the missing light is darker than the pixel, the view
-    /// counts with less than its weight.
+    /// multiplied by `weight`. This is the summed weight of the views whose colour there comes from the
+    /// records, not from rays. Returns the summed weight of the views in which a reflection or refraction is
+    /// missing. If the missing light is darker than the pixel, the view counts with less than its weight.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
