@@ -68,8 +68,9 @@ class Renderer {
         }
     }
 
-    /// Divides a pixel's samples into groups of up to 16, and the groups into blocks, which several program
-    /// runs can share. Returns the numbers of blocks per pixel and groups per block.
+    /// Divides a pixel's samples into groups of up to 16, which are traced together, and these groups into
+    /// blocks. If several program runs share the work, each run renders some of the blocks of every pixel.
+    /// Returns the number of blocks per pixel and the number of groups per block.
     static std::pair<int, int> division(int spp_asked, bool halves) {
         const int spp = spp_asked / (halves ? 2 : 1), group = std::min(spp, RayBatch::group),
                   groups = (spp + group - 1) / group,
@@ -169,8 +170,10 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // With --share, a run sums whole blocks of samples, and the sums are added up later. Without
-            // --share, each block is also summed separately, so that both ways give bit-identical images.
+            // `of_block` is the sum of one block of a pixel's samples. With --share, each program run renders
+            // whole blocks, and their sums are added up later. Without --share, a block is also summed
+            // separately before it is added to the pixel's sum. So both ways add the same numbers in the same
+            // order, and the images are identical in every bit.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
             for (int i = 0; i < count; ++i, ++ray) {
@@ -227,8 +230,10 @@ void trace_all(Renderer& renderer, const std::function<void()>& pause) {
             renderer.trace(round, begin, end);
             const double took_s = seconds_since(start);
             progress.advance(end - begin);
-            // Each slice of tiles should take 0.1 to 0.4 s: shorter slices waste time on starting threads,
-            // and longer slices delay stopping and saving.
+            // The image is rendered in slices, each of which is a number of tiles that are rendered in
+            // parallel. A slice should take 0.1 to 0.4 s. A shorter slice wastes time on starting threads,
+            // and a longer one delays stopping and saving. So the number of tiles is doubled or halved if the
+            // last slice took less or more time.
             if (took_s < 0.1) slice = std::min<std::size_t>(2 * slice, 1U << 16);
             if (took_s > 0.4) slice = std::max<std::size_t>(slice / 2, 16);
             begin = end;

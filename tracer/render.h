@@ -48,8 +48,9 @@ struct RenderSettings {
     bool resume = false;  ///< continues an interrupted run
     DistributedSettings tracing;
 
-    /// If set, only this part of the image is rendered, with the same bits as in the complete image. Tiles of
-    /// 8 x 8 px that lie outside it stay black. A resumed run may use another crop.
+    /// If set, only this part of the image is rendered, with the same bits as in the complete image. The
+    /// image is rendered in tiles of 8 x 8 px, and tiles that lie outside this part stay black. A resumed run
+    /// may use another crop.
     std::optional<Crop> crop;
     std::string made_by;  ///< written to the image files (Image::made_by)
     /// Text that marks each written file as one part of a render, to be merged (pictures/picture_part.h).

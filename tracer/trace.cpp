@@ -24,8 +24,9 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// Depth edges are searched for up to this many px outside the traced window. Past such an edge, a lens may
-// see a hidden surface inside the window.
+// Width, px, of a border around the traced window in which depth edges are also searched for. A depth edge is
+// where a near surface ends in front of a far one. Past such an edge in the border, a point of the lens may
+// see a hidden surface that is to be recorded inside the window.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -164,8 +165,9 @@ double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     return camera.film_distance_mm / f_number / 2 * 1e-3;
 }
 
-// Returns how many pixels around the frame (overscan) the lens and the shutter need at one recorded instant.
-// `motion` predicts the positions of surfaces at other instants. It may be null.
+// Returns the overscan, i.e. the width, px, of a border around the frame that must be traced at one recorded
+// instant. The blur of the lens and motion during the shutter interval may bring light from this border into
+// the frame. `motion` predicts the positions of surfaces at other instants. It may be null.
 int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotion* motion) {
     const CameraModel& camera = instant.camera();
     std::optional<FocusGeometry> lens;
@@ -354,8 +356,9 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant, &near));
     }
     go_to(time_s);
-    // Some methods make the whole image from the records of the frame's own instant. So the overscan at this
-    // instant must cover the whole shutter interval.
+    // Enlarges the overscan, the traced border around the frame, for the frame's own instant `time_s`. Some
+    // methods make the whole image from the records of this instant only. Therefore, these records must
+    // contain everything that moves into the frame at any time in the shutter interval.
     if (settings.overscan_auto)
         result.overscan_px =
             std::max(result.overscan_px, overscan_for(settings, *instant, instant->motion()));

@@ -25,32 +25,41 @@ struct TraceSettings {
     /// `subdivision.levels` limits only the division of pixels with contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
-    /// Used as `subdivision.levels` (depth of the quadtree of each pixel) for methods that trace further rays
-    /// where these samples are too coarse. docs/planner.md compares the times for other values.
+    /// The depth of the quadtree of each pixel (`subdivision.levels`) for methods that also trace rays when
+    /// they make the image. The samples of the file may be coarser for these methods, because rays are traced
+    /// where they are too coarse. docs/planner.md compares the times for other values.
     static constexpr int ray_levels = 1;
     /// Largest angle, degrees, by which an object may turn relative to the camera from one recorded instant
-    /// to the next. Used if `keys` is absent. With 15 degrees, the nearest recorded instant is at most 7.5
-    /// degrees away. It misses a strip of a ball's surface that is 0.9 % of the radius wide (1 - cos 7.5
-    /// degrees).
+    /// to the next. It determines the number of recorded instants if `keys` is absent. With 15 degrees, an
+    /// image is at most 7.5 degrees from the nearest recorded instant. The records of this instant then lack
+    /// a strip of a ball's surface that turns into view. The strip is only 0.9 % of the ball's radius wide (1
+    /// - cos 7.5 degrees).
     double degrees_per_key = 15;
     /// Used as `degrees_per_key`, the turn between recorded instants, for methods that also trace rays. Rays
     /// show surfaces that the records lack, so fewer recorded instants suffice.
     static constexpr double ray_degrees_per_key = 30;
-    /// Target PSNR, dB, of the error from changing light between recorded instants. Used if their number,
-    /// `keys`, is absent. 43 dB is half the squared error of 40 dB, the default target of `auto`, so other
-    /// errors may be as large.
+    /// Target PSNR, dB, for the error that arises because the light changes between recorded instants. It
+    /// determines the number of these instants if `keys` is absent. The default target of `auto` for the
+    /// whole error is 40 dB. With 43 dB, this part has half the squared error of 40 dB, which leaves the
+    /// other half for all other errors.
     double light_db = 43;
-    /// Used as `light_db`, the target PSNR for changing light, for methods that also trace rays. It is 12 dB
-    /// lower, so that half as many recorded instants suffice.
+    /// Target PSNR, dB, for light that changes between recorded instants (`light_db`), for methods that also
+    /// trace rays. It is 12 dB less than the value for other methods. With half as many recorded instants,
+    /// the error of linear interpolation between them is about four times as large, i.e. 12 dB. So about half
+    /// as many instants suffice.
     static constexpr double ray_light_db = 31;
     /// A hidden surface is not recorded if the lens or motion reveals only strips of it up to this width, px.
     double narrow_strip_px = HiddenLayers::invisible_px;
-    /// Used as `narrow_strip_px`, the width of hidden strips that are not recorded, for methods that also
-    /// trace rays. They trace rays up to 1 px beside edges anyway, so narrow records save none.
+    /// Largest width, px, of strips of hidden surfaces that are not recorded (`narrow_strip_px`), for methods
+    /// that also trace rays when they make the image. The lens or motion reveals such strips beside the edges
+    /// of objects. These methods trace rays up to 1 px beside edges anyway, so records of narrow strips would
+    /// not save rays.
     static constexpr double ray_narrow_strip_px = 2;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
-    /// Settings of the tracer. trace_to_file sets `lens_radius_m` from `for_f_number`, else from the camera's
-    /// f-number, else from f/1.4. With `for_f_number`, it sets `bend_radius_m` to the same lens radius.
+    /// Settings of the tracer. trace_to_file sets `lens_radius_m`, the radius of the lens, from
+    /// `for_f_number`. If this is absent, it uses the camera's f-number, or else f/1.4. With `for_f_number`,
+    /// it also sets `bend_radius_m` to this radius, so that the nonlinear motion of mirror images over the
+    /// lens is measured.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =
@@ -89,8 +98,9 @@ struct TraceResult {
     int overscan_px = 0;
     int keys = 1;                    ///< number of evenly spaced recorded instants
     std::vector<double> instants_s;  ///< recorded instants; the frame's own is first
-    /// Only if `keys` is chosen automatically: the largest turn, degrees, of an object or the camera during
-    /// the shutter, and the reason for this number of recorded instants.
+    /// The largest angle, degrees, by which an object or the camera turns during the shutter interval, and
+    /// the text that says why this number of instants, `keys`, is recorded. Both are set only if the number
+    /// is chosen automatically.
     std::optional<double> keys_sweep_degrees;
     std::string keys_reason;
 };

@@ -46,9 +46,9 @@ let depths = null;   // {ids, inverse}
 let causes = null;   // causes of the error of `causes.picture`: {picture, rgba, report}
 let generation = 0;  // serial number of the latest request
 let firstUnderWay = false, refining = false;
-// After a change of the lens, the first image is coarse. If the lens changes again before this image is
-// finished, `again` is the time of that change, in ms. New images are then requested once it is finished.
-// Otherwise, `again` is 0.
+// Time, in ms, of the first change of the lens that occurred while a coarse image was being made, or 0 if
+// there was none. After a change of the lens, a first, coarse image is requested, and it is always finished.
+// If the lens changes meanwhile, images for the new lens are requested only after that.
 let again = 0;
 const timings = [];  // for benchmarks: {views, input, answered, painted}
 window.postlens = { timings, state: () => ({ shown, other, depths, causes, lens, frame, generation, working: firstUnderWay || refining }) };

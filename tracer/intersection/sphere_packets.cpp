@@ -54,8 +54,9 @@ template <int N>
             if (args->valid[i] == 0) continue;
             const HitKey& from = context.sources[rays.id[i]];
             if (from.geometry != args->geomID || from.primitive != args->primID) continue;
-            // A ray that starts on this sphere crosses it at its origin, i.e. at the crossing nearest to t =
-            // 0. Only the other crossing is a hit.
+            // Handles a ray that starts on this sphere, because its last hit was there. It crosses the sphere
+            // at its own origin, which is the crossing whose distance is nearest to 0, and once more. Only
+            // this other crossing counts as a hit.
             const float other = std::abs(near[i]) < std::abs(far[i]) ? far[i] : near[i];
             const bool hit = near[i] <= far[i] && other > rays.tnear[i] && other <= rays.tfar[i];
             t[i] = hit ? other : std::numeric_limits<float>::infinity();
@@ -107,9 +108,9 @@ template <int N>
     }
 }
 
-// Each of these functions intersects 8 or 16 rays with a sphere. The compiler makes a version for each
-// instruction set.
-// The templates are inlined, because otherwise they would be compiled for only one instruction set.
+// Functions that Embree calls to intersect 8 or 16 rays with a sphere, or to test whether it blocks them. The
+// compiler makes one version of each function for each instruction set. The templates that they call are
+// inlined, because otherwise these would be compiled for only one instruction set.
 POSTLENS_MULTIVERSION void intersect_spheres_8(const RTCIntersectFunctionNArguments* a) {
     intersect_spheres<8>(a);
 }

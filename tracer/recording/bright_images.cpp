@@ -80,8 +80,10 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
         if (!(sizes[1] > 0 && sizes[2] <= 4 * sizes[1])) continue;  // long objects are not compact
         spheres_.push_back({(b.min + b.max) / 2.0, sizes[1], brightness});
     }
-    // Mirrors and glass show images of bright objects, and each image needs many quadtree cells. So the
-    // number of bright objects is limited, assuming that each appears twice in every mirror or glass object.
+    // Limits the number of bright objects, because mirrors and glass show images of them, and each image
+    // needs about `cells_of_image` quadtree cells. Each object is assumed to appear twice in every mirror or
+    // glass object. `most` is the number of objects whose images together then need `most_cells` cells. If
+    // there are more objects, only those that emit the most light are kept.
     const double most = most_cells / (cells_of_image * 2 * std::max(mirrors, 1.0));
     if (static_cast<double>(spheres_.size()) > most) {
         std::stable_sort(spheres_.begin(), spheres_.end(), [](const Sphere& a, const Sphere& b) {
@@ -129,15 +131,17 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // Tests whether the image of the sphere `s` overlaps the quadtree cell. The image's centre is `image`
-        // and its half-widths are `reach`; the cell's half-width is 0.5. All are enlarged, because `image` is
-        // only a linear approximation.
+        // Tests whether the image of the bright sphere `s` in a mirror or in glass overlaps the quadtree
+        // cell. Positions are relative to the cell's centre and in cell widths, so the cell's half-width is
+        // 0.5. `image` is the centre of the sphere's image, and `reach` holds the image's half-widths. Both
+        // half-widths are enlarged by a tenth here, because `image` is only a linear approximation.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;
-        // The mirror or glass shows the sphere as an ellipse. `half`, half the ellipse's smaller width in
-        // cell widths, is the smaller singular value of radius * cell_by. The matrix `cell_by` converts
-        // metres at the sphere to cell widths.
+        // The mirror or glass shows the bright sphere `s` as an ellipse. `half` is half the ellipse's smaller
+        // width, in cell widths. It is the smaller singular value of the matrix s.radius * cell_by, where
+        // `cell_by` converts metres at the sphere to cell widths. `squares` and `area` are half the sum of
+        // the squares of both singular values, and their product.
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);

@@ -20,26 +20,28 @@ struct WantedCells {
     }
 };
 
-/// The compact objects of a scene that are brighter than white.
-/// `wanted` finds the quadtree cells that may show them in mirrors and glass.
+/// The compact objects of a scene that are brighter than white, such as small light sources. Mirrors and
+/// glass may show small images of them. `wanted` finds the quadtree cells that may contain such an image and
+/// must therefore be divided.
 class BrightImages {
   public:
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 5;
-    /// Approximate number of quadtree cells that are needed to record one image of a bright object in a
-    /// mirror or in glass.
+    /// Approximate number of quadtree cells into which pixels are divided to record one image of a bright
+    /// object. A mirror or glass shows such images.
     static constexpr double cells_of_image = 200;
 
     /// Contains no objects.
     BrightImages() = default;
-    /// Collects the bright objects of the scene at an instant, to find their images in mirrors and glass.
-    /// Each image needs many quadtree cells. If all images together may need more than `most_cells`, only the
-    /// objects that emit the most light are kept.
+    /// Collects the bright objects of the scene at the instant `time_s`, to find their images in mirrors and
+    /// glass. Recording each image needs many quadtree cells. If all images together may need more than
+    /// `most_cells` cells, only the objects that emit the most light are kept.
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns how small the quadtree cells inside a given cell must be to show all images of bright objects
-    /// in mirrors and glass.
+    /// A mirror or glass may show an image of a bright object inside a quadtree cell, between the rays from
+    /// its corners. Returns how small the cells must become so that all such images are recorded. The objects
+    /// are searched for between the four rays.
     /// - `at`: rays from the four corners of the given cell, row by row, all after the same bounces
     /// - `size_px`: width of the given cell, px
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;

@@ -52,8 +52,9 @@ bool CellSplit::pattern_between(const Seen* s, int count) const {
 }
 
 void CellSplit::mark_leaf(const CornerCell& c) const {
-    // splits() divides every quadtree cell that an outline of a mesh crosses, up to `edge_levels`. So only
-    // cells at this limit are tested for outlines here.
+    // Tests whether the outline of a mesh crosses this undivided quadtree cell. Only a cell that has reached
+    // the limit `edge_levels` of the subdivision is tested. A larger cell is not crossed by an outline,
+    // because splits() would have divided it otherwise.
     const bool ends_edges = !is_larger(c, settings_.edge_levels);
     if (ends_edges && outline_between(c)) {
         for (const std::uint32_t corner : c.corner)
@@ -158,9 +159,10 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
         texels[k] = texture->colour_at(s[i].chunk->sources[node[k]].place);
     }
     for (int channel = 0; channel < 3; ++channel) {
-        // Between the samples at the cell's corners, radiance is estimated as times * colour + plus, where
-        // `colour` is that of the texture. `times` is the largest ratio of radiance to colour at the samples,
-        // so that contrast is not underestimated.
+        // Estimates the radiance between the samples of the cell from the colour of the surface's texture, as
+        // times * colour + plus, for each colour channel. `times` is the largest ratio of radiance to texture
+        // colour at the samples, so that contrast is not underestimated. `plus` is the smallest difference
+        // between a sample's radiance and times * colour.
         double times = 0, plus = HUGE_VAL;
         std::array<double, most_samples> texel{};
         for (int i = 0; i < count; ++i) {

@@ -32,8 +32,8 @@ class CellSplit {
     /// Returns true if the eye ray through the cell's centre sees something else than the eye rays through
     /// the cell's corners. `centre` is the index of the sample at the centre.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
-    /// Flags the records (surface hits) at the corners of an undivided quadtree cell if the image may have
-    /// details between the corners:
+    /// Sets flags in the records (surface hits) at the corners of an undivided quadtree cell if the image may
+    /// have details between the corners:
     /// - `fine_texture`: the texture has contrast there, but the limit `colour_levels` forbids further
     ///   division.
     /// - `gap`: the cell shows several parts of one object or the outline of another part, but the limit
@@ -43,8 +43,9 @@ class CellSplit {
     void mark_leaf(const CornerCell& c) const;
 
   private:
-    /// A visible or hidden surface of a sample, with the records of all surfaces seen in
-    /// it by reflection or refraction.
+    /// One shading tree of a sample: a surface that the sample's eye ray hits, either visible or hidden
+    /// behind others, and all surfaces that are seen in it by reflection or refraction. `first` is the index
+    /// of the tree's first record in `chunk`, and `count` is its number of records.
     struct Seen {
         std::uint32_t id = 0, part = 0;
         NodePath path;
@@ -60,31 +61,35 @@ class CellSplit {
     /// The contrast is (hi - lo) / (hi + lo + 0.05). The constant 0.05 makes it insensitive to small
     /// differences between dark colours.
     [[nodiscard]] bool has_contrast(double lo, double hi) const;
-    /// Returns true if the edge of a texture or shadow lies between the corners of a quadtree cell although
-    /// their colours are similar.
+    /// Returns true if the edge of a texture or of a shadow lies between the samples `s` at the corners of a
+    /// quadtree cell. This can be so although the samples have similar colours, for example if a texture has
+    /// thin stripes.
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s) const;
     static void mark_parts(const std::array<Seen, 4>& s);
-    /// Returns true if the quadtree cell is wider than 2^-levels px, so that a limit of `levels` subdivisions
-    /// allows its division.
+    /// Returns true if the quadtree cell `c` is wider than 2^-levels px. Then a pixel that may be divided
+    /// `levels` times contains this cell after fewer divisions, so the cell may be divided further.
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Finds the n-th surface point of the first sample's shading tree, and its counterparts in all other
-    /// trees: points of the same object after the same bounces. Returns false if a tree has no counterpart.
+    /// A shading tree contains all surface points that an eye ray hits, directly and after reflections and
+    /// refractions. `s` holds `count` trees of different samples. Takes the surface point number n of the
+    /// first tree and finds its counterpart in every other tree: the point of the same object after the same
+    /// bounces. Returns false if a tree has no counterpart.
     [[nodiscard]] static bool nodes_like(const Seen* s, int count, std::uint32_t n, NodeOfEach& out);
-    /// Returns the index of the surface point in the shading tree `in` that is reached by the bounces of
-    /// `path`. Tests `guess` first, the index of the same point in another tree, because the trees at a
-    /// cell's corners are mostly alike.
+    /// The shading tree `in` contains the surface points that one eye ray hits, directly and after bounces.
+    /// Returns the index of the surface point that is reached by the sequence of bounces `path`. Tests the
+    /// index `guess` first. It is the index of this point in another tree, and the trees at a cell's corners
+    /// are mostly alike.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
     /// Like node_of_path, but also requires the id of `wanted`.
     [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in,
                                                                 std::uint32_t guess);
     [[nodiscard]] static bool shadows_differ(const Seen* s, const NodeOfEach& node, int count);
-    /// Returns true if the texture varies so much between the samples at the corners of a quadtree cell that
-    /// the cell must be divided.
-    /// Considers all colours in the bounding box of the samples' texture coordinates.
+    /// Returns true if the colour of a texture varies so much between the samples at the corners of a
+    /// quadtree cell that the cell must be divided. All colours in the part of the texture between the
+    /// samples are considered, i.e. in the bounding box of their texture coordinates.
     [[nodiscard]] bool texture_differs(const Seen* s, const NodeOfEach& node, int count) const;
     [[nodiscard]] Seen visible_layer(std::uint32_t sample) const {
         const CornerSample& s = samples_[sample];
@@ -94,18 +99,21 @@ class CellSplit {
         return {visible_layer(c.corner[0]), visible_layer(c.corner[1]), visible_layer(c.corner[2]),
                 visible_layer(c.corner[3])};
     }
-    /// The records of a sample form one shading tree for each visible or hidden surface. Sets `out` to the
-    /// tree whose first record is `at`. Then advances `at` past the tree's last record.
+    /// The records of a sample form several shading trees, one for each visible or hidden surface on the eye
+    /// ray. Each tree contains the surface and all surfaces that are seen in it. Sets `out` to the tree whose
+    /// first record has the index `at`. Then advances `at` past the tree's last record.
     void take_layer(const CornerSample& s, std::uint32_t& at, Seen& out) const;
-    /// Returns true if the quadtree cell `c` may contain a narrow object that the eye rays at all corners of
-    /// the cell miss.
-    /// If `hidden` is false, ignores objects behind all surfaces that are visible at the cell's corners.
+    /// Returns true if the quadtree cell `c` must be divided, because it may contain a narrow object that the
+    /// eye rays at all corners of the cell miss. If `hidden` is false, objects behind all surfaces that are
+    /// visible at the cell's corners are ignored.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
     /// Returns true if all corners of the quadtree cell `c` show the same part of an object, but the outline
-    /// of a nearer part crosses the cell. The nearer part may belong to the same object.
+    /// of a nearer part crosses the cell between them. The nearer part may belong to the same object, such as
+    /// another leaf of the same tree.
     [[nodiscard]] bool outline_between(const CornerCell& c) const;
-    /// Returns true if the cell may contain the image of a small bright object in a mirror or in glass.
-    /// `s` holds the shading trees at the cell's corners.
+    /// Returns true if the cell must be divided, because it may contain the image of a small bright object in
+    /// a mirror or in glass. `s` holds the visible surfaces at the cell's four corners, each with the
+    /// surfaces that are seen in it by reflection or refraction.
     [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const;

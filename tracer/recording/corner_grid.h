@@ -30,8 +30,8 @@ struct CornerGrid {
     [[nodiscard]] static CornerKey key(std::uint32_t x, std::uint32_t y) {
         return (static_cast<CornerKey>(y) << 32) | x;
     }
-    /// Returns the distance from the window's upper edge to that of pixel row `y`, in widths of the smallest
-    /// quadtree cell.
+    /// Returns the y coordinate, in grid units, of the upper edge of pixel row `y`. It is measured from the
+    /// upper edge of the traced window. A grid unit is the width of the smallest quadtree cell.
     [[nodiscard]] std::uint32_t row(int y) const {
         return static_cast<std::uint32_t>(y - window.y_begin) * unit;
     }
@@ -43,8 +43,9 @@ struct CornerGrid {
     }
 };
 
-/// The sample at a corner of quadtree cells. It stores the values that decide whether these cells are
-/// divided, and the position of its records in a chunk.
+/// A sample at a corner of one or more quadtree cells, i.e. the result of one eye ray. Its values (id, part,
+/// depth and colour) decide whether these cells are divided. Its records (surface hits) lie in an array of
+/// buffers: `count` records from the index `first` on in buffer number `chunk`.
 struct CornerSample {
     std::uint32_t x = 0, y = 0;  ///< grid units
     std::uint32_t chunk = 0, first = 0, count = 0;
@@ -61,8 +62,9 @@ struct CornerCell {
     std::uint32_t size;  ///< grid units; a cell of size 1 cannot be divided
     std::array<std::uint32_t, 4>
         corner;  ///< sample indices: upper left, upper right, lower left, lower right
-    /// Indices of the samples at the cell's upper middle, left middle, centre, right middle and lower middle.
-    /// Unset if the cell is undivided.
+    /// Indices of the five samples that are traced to divide the cell: at the middle of its upper side and of
+    /// its left side, at its centre, and at the middle of its right side and of its lower side. They are not
+    /// set if the cell is undivided.
     std::array<std::uint32_t, 5> between;
 };
 

@@ -15,15 +15,18 @@ class CornerRecords {
   public:
     /// Sorts the samples of pixel rows [y_begin, y_end) by pixel.
     void sort(const CornerGrid& grid, std::span<const CornerSample> samples, int y_begin, int y_end);
-    /// Writes the records of rows [y_begin, y_end), pixel by pixel, to `out`. Call sort() first, with the
-    /// same `samples` and a range of rows that contains these rows.
+    /// Writes the records (surface hits) of the pixel rows y_begin to y_end - 1 to `out`, pixel by pixel.
+    /// sort() must have been called before, with the same `samples` and with a range of rows that contains
+    /// these rows.
     void emit(const CornerGrid& grid, std::span<const CornerSample> samples,
               const std::vector<TracedSamples>& chunks, int y_begin, int y_end, RecordBand& out);
 
   private:
     int y_begin_ = 0;  ///< first row
-    /// `order_` lists indices of samples, pixel by pixel. For each pixel, `first_` is the position in
-    /// `order_` of its first sample, and `first_record_` is its first record.
+    /// `order_` lists the indices of all samples, sorted by the pixel in which they lie. For each pixel,
+    /// `first_` holds the position of its first sample in `order_`. Each sample has several records (surface
+    /// hits). `first_record_` holds the number of records of all pixels before this pixel, and so the index
+    /// of its first record.
     std::vector<std::uint32_t> first_, order_, first_record_;
     std::vector<std::uint32_t> next_;  ///< buffer
 };

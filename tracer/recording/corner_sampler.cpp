@@ -19,9 +19,9 @@
 namespace postlens {
 namespace {
 
-// Number of pixel rows in a band. The records of one band are in memory at the same time.
-// A band contains two rows of tiles, which are `tile` x `tile` px large and are traced in parallel. This is
-// enough work for all threads.
+// Number of pixel rows in a band. The image is traced band by band, and only the records of one band are in
+// memory at the same time. A band contains two rows of tiles, which are `tile` x `tile` px large and are
+// traced in parallel. This is enough work for all threads.
 constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
@@ -52,15 +52,16 @@ class BandSampler {
         records_.sort(grid_, std::span(samples_).first(sample_count_), y_begin, end_of_records(y_end));
     }
 
-    // Writes the records of rows y_begin to y_end - 1 to `out`. They must be rows of the band of pixel rows
-    // traced last.
+    // Writes the records (surface hits) of the pixel rows y_begin to y_end - 1 to `out`. These rows must
+    // belong to the band of pixel rows that was traced last.
     void emit(int y_begin, int y_end, RecordBand& out) {
         records_.emit(grid_, samples_, chunks_, y_begin, end_of_records(y_end), out);
     }
 
   private:
-    // A row of records includes its upper edge. So the samples on the lower edge of the last pixel row are in
-    // a row of their own.
+    // Returns the end of the rows of records for the pixel rows before `y_end`. A sample belongs to the row
+    // whose upper edge or interior contains it. So the samples on the lower edge of a pixel row belong to the
+    // next row. Therefore, the last pixel row of the window is followed by one more row of records.
     [[nodiscard]] int end_of_records(int y_end) const {
         return y_end == grid_.window.y_end ? y_end + 1 : y_end;
     }
@@ -190,8 +191,8 @@ class BandSampler {
         });
     }
 
-    // Reuses sample i on the upper edge of the current band of pixel rows, because it was traced with the
-    // band above.
+    // Makes sample number i available to the current band of pixel rows. The sample lies on the upper edge of
+    // the band. It was already traced with the band above, so it is not traced again.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {
@@ -203,8 +204,9 @@ class BandSampler {
     }
 
     using CellRows = std::vector<std::vector<CornerCell>>;  // one list of cells for each row of pixels
-    // A raster point through which an eye ray must still be traced. The index of the new sample is written to
-    // `*sample`, an element of CornerCell::between.
+    // A raster point through which an eye ray must still be traced, to divide a quadtree cell. When the ray
+    // has been traced, the index of the new sample is written to `*sample`, which is an element of the cell's
+    // list CornerCell::between.
     struct Missing {
         CornerKey key;
         std::uint32_t* sample;
@@ -295,11 +297,13 @@ class BandSampler {
         used_chunks_ = chunks;
     }
 
-    // Traces the centre of every quadtree cell and the midpoints of the cell's sides. A midpoint that several
-    // cells share is traced once.
+    // Traces eye rays through the centre of every quadtree cell and through the midpoints of its sides, as
+    // far as these points have no sample yet. A midpoint that several cells share is traced only once.
     void trace_missing(CellRows& cells, int y_begin, int y_end) {
-        // Lists of points to trace, one per pixel row. `below` holds points on a row's upper edge that were
-        // found in the row above. So both have one more list, for the last row's lower edge.
+        // Lists of the raster points to trace, one list for each pixel row. `inside` holds the points that
+        // are found in their own row. `below` holds the points on a row's upper edge that are found in the
+        // row above, so that rows can be searched in parallel. Both have one list more than there are rows,
+        // because the last row's lower edge needs one.
         std::vector<std::vector<Missing>> inside(cells.size() + 1), below(cells.size() + 1);
         std::vector<std::size_t> first(cells.size() + 2, 0);  // per row, the index of its first point
         parallel_for(cells.size(), [&](std::size_t row) {
@@ -341,8 +345,9 @@ class BandSampler {
         trace(wanted_, [&](CornerKey k) { return corners_around(k, y_begin, y_end); });
     }
 
-    // Returns the samples at the corners of the pixel that contains point k. If k lies on the lower edge of
-    // the band, takes the pixel above, because the pixel below is not traced yet.
+    // Returns the samples at the four corners of the pixel that contains the raster point k. If k lies on the
+    // lower edge of the current band of rows, the pixel above is used, because the pixel below is not traced
+    // yet.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),
@@ -401,8 +406,8 @@ class BandSampler {
             samples_[kept++] = s;
         }
         sample_count_ = kept;
-        // The next band of pixel rows reuses `chunks_`, the buffers of records, because releasing and
-        // allocating them took longer than tracing.
+        // `chunks_` are buffers of records. The next band of pixel rows reuses their memory, because
+        // releasing and allocating it for each band took longer than tracing.
         std::swap(chunks_[0], carried_);
         used_chunks_ = 1;
     }

@@ -13,11 +13,12 @@ namespace postlens {
 
 struct SubdivisionSettings {
     int levels = 0;  ///< greatest depth of the subdivision, 0 to 8
-    /// Greatest number of times that a pixel is subdivided at the edges of objects, at most `levels`.
-    /// Quadtree cells near objects narrower than 1.5 px may be smaller.
+    /// Greatest number of times that a pixel is subdivided where the edges of objects cross it. It is at most
+    /// `levels`. Quadtree cells near objects narrower than 1.5 px may nevertheless be smaller.
     int edge_levels = 8;
-    /// A cell is divided if a colour channel's contrast between its corners exceeds this value.
-    /// The contrast is (max - min) / (max + min + 0.05).
+    /// A quadtree cell is divided if the contrast between the samples at its corners exceeds this value in a
+    /// colour channel. With the channel's least value min and greatest value max, the contrast is (max - min)
+    /// / (max + min + 0.05).
     double threshold = 0.1;
     int colour_levels = 8;  ///< greatest depth to which colour contrast subdivides
 };

@@ -34,16 +34,20 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
         SampledWindow stripe = window;
         stripe.y_begin = window.y_begin + std::max(0, ((2 * i + 1) * rows / count - rows_of_stripe) / 2);
         stripe.y_end = std::min(stripe.y_begin + rows_of_stripe, window.y_end);
-        // The records on the lower edge of the stripe belong to the next pixel row. They are not counted,
-        // because this row is not subdivided here and has fewer records than in the file.
+        // A stripe is a band of pixel rows that is sampled to estimate the file's size. Records (surface
+        // hits) on its lower edge belong to the next pixel row, which lies outside the stripe. That row is
+        // not subdivided here, so it has fewer records than it will have in the file. Therefore, its records
+        // are not counted.
         sample_corners(
             tracer, stripe, subdivision,
             [&](const RecordBand& band) {
                 const int end = std::min(band.y_end, stripe.y_end);
                 bytes += packed_bytes(header, compression, band, band.y_begin, end);
                 looked_at += end - band.y_begin;
-                // Image row y needs the records on its upper and lower edges, i.e. those of rows y and y + 1.
-                // So the band's last row is left out: its lower edge may belong to the next band.
+                // The file also contains an ordinary image. Its pixel row y is computed from the records at
+                // the pixels' corners, i.e. on its upper edge (row y of the records) and on its lower edge
+                // (row y + 1). `band` holds some rows of records. Its last row is left out here, because the
+                // records on its lower edge may belong to the next band.
                 const int picture_end = std::min({end, band.y_end - 1, header.height});
                 for (int y = std::max(0, band.y_begin); y < picture_end; ++y) {
                     picture_bytes += packed_picture_bytes(header, compression, band, y);

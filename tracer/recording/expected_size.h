@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Returns the number of rows traced to predict the file size: about rows / 48, limited to 8 to 64 and to
-/// `rows`.
+/// Returns how many of the `rows` pixel rows are traced to predict the size of a sample file. It is about
+/// rows / 48, but at least 8 and at most 64, and never more than `rows`.
 [[nodiscard]] int looked_at_rows(int rows);
 
 /// Returns the predicted size of a sample file, in bytes, without its header.

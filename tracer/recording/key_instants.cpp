@@ -25,8 +25,9 @@ using glm::dvec3;
 // A rotation must be less than 180 degrees per step.
 constexpr int steps = 512;
 
-// If keyframes change an object's scale, the scene must be recorded at an instant when the object is large.
-// Its scale must then be at least this fraction of its largest scale.
+// If keyframes change the scale of an object, a record of the object while it is small has few samples. So
+// the scene must be recorded at an instant when the object is large: its scale must then be at least this
+// fraction of its largest scale.
 constexpr double least_size = 0.5;
 
 double angle(const dvec3& a, const dvec3& b) {
@@ -208,8 +209,9 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
                        glm::all(glm::greaterThanEqual(sizes[i], least_size * largest));
             });
         }
-        // For part of the time, the camera is inside the object and sees other surfaces than outside. Both
-        // times need a recorded instant.
+        // `surrounds` tells for each tested instant whether the camera is inside the object. If it is inside
+        // for part of the time, it sees other surfaces then than from outside. So at least one instant must
+        // be recorded while the camera is inside, and one while it is outside and the object is in view.
         if (std::find(surrounds.begin(), surrounds.end(), true) == surrounds.end()) continue;
         add_spans([&](std::size_t i) { return surrounds[i]; });
         add_spans([&](std::size_t i) {
@@ -218,8 +220,9 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
     }
     std::erase_if(visits,
                   [&](const TimeSpan& v) { return v.open_s <= recorded_s && recorded_s <= v.close_s; });
-    // `visit` is a time span that must be recorded. Returns true if it contains one of `keys` recorded
-    // instants, evenly spaced over the shutter interval.
+    // `visit` is a time span, such as that in which an object is in view, during which the scene must be
+    // recorded at least once. If `keys` instants are recorded, evenly spaced over the shutter interval,
+    // returns true if one of them lies in this time span.
     const auto has_key = [&](const TimeSpan& visit, int keys) {
         const double length = shutter.close_s - shutter.open_s, gap = 1.0 / (keys - 1);
         const double first = std::ceil((visit.open_s - shutter.open_s) / length / gap) * gap;

@@ -11,17 +11,17 @@
 
 namespace postlens {
 
-/// Returns the total angle, degrees, by which an object turns relative to the camera; of several objects, the
-/// greatest angle. It is the turn of the direction from the object's centre to the camera, as seen from the
-/// object. So it is 0 if the camera only pans or rolls.
+/// Returns the angle, degrees, by which an object turns in total relative to the camera during the shutter
+/// interval. This is the turn of the direction from the object's centre to the camera, as seen from the
+/// object. So it is 0 if the camera only pans or rolls. Of several objects, the greatest angle is returned.
 /// Ignores infinite planes, and objects whose bounding box contains the camera.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
 /// Returns the total angle, degrees, by which the camera's optical axis turns. 0 if it is orthographic.
 [[nodiscard]] double pan_degrees(const Camera& camera, const TimeSpan& shutter);
 
-/// Returns the angle, degrees, from the optical axis to the nearest edge of the frame. It is the largest pan
-/// allowed between recorded instants, so that their frames overlap.
+/// Returns the angle, degrees, between the optical axis and the nearest edge of the frame. The camera may pan
+/// by at most this angle from one recorded instant to the next, so that the frames of these instants overlap.
 [[nodiscard]] double half_field_degrees(const CameraModel& camera);
 
 struct KeyRules {
@@ -38,23 +38,25 @@ struct KeyCount {
 };
 
 /// Returns the least number of evenly spaced instants, from `at_least` to 64, at which every object is
-/// recorded at least once while it is in view. Ignores an object's time in view if it is too short even for
-/// 64 instants.
+/// recorded at least once while it is in view. If an object is in view for too short a time, so that even 64
+/// instants may miss it, this time is ignored.
 /// - `recorded_s`: instant that is recorded anyway
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 
-/// Returns the number of keys (recorded instants) that the scene needs. Keys are needed for:
-/// - turning objects: one key per `degrees_per_key`
+/// Returns the number of keys, i.e. instants to be recorded, that the scene needs. Several keys are needed
+/// for:
+/// - turning objects: one key for each angle `degrees_per_key`
 /// - a panning camera
 /// - objects that are in view, or large, or around the camera, but only for a short time
-/// - changing light
+/// - light that changes
 [[nodiscard]] KeyCount automatic_keys(const Scene& scene, const Camera& camera,
                                       const CameraOverrides& overrides, double recorded_s,
                                       const TimeSpan& shutter, const KeyRules& rules);
 
-/// Returns the number of recorded instants (keys) that an object needs if it turns by `sweep_degrees`.
-/// It is 1 up to `degrees_per_key`, else 1 + ceil(sweep / degrees_per_key), but at most 64.
+/// Returns the number of keys, i.e. instants to be recorded, that an object needs if it turns by
+/// `sweep_degrees` relative to the camera. The number is 1 if the object turns by at most `degrees_per_key`.
+/// Otherwise, it is 1 + ceil(sweep_degrees / degrees_per_key), but at most 64.
 [[nodiscard]] int keys_for_sweep(double sweep_degrees, double degrees_per_key);
 
 /// Returns `count` evenly spaced instants of the shutter interval, ascending, including both ends.

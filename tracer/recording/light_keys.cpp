@@ -21,12 +21,13 @@ using glm::dvec3;
 // Number of equal steps of the shutter interval. The light on surfaces is measured at the ends of the steps.
 constexpr int light_steps = 64;
 
-// Least distance between two recorded instants (keys), in 64ths of the shutter interval. A distance of 1
-// would give 65 keys, but a file has at most 64 (SampleHeader::most_keys).
+// Least distance between two recorded instants (keys), in 64ths of the shutter interval. A distance of 1/64
+// would give 65 keys, but a file has at most 64 (SampleHeader::most_keys). So the least distance is greater.
 constexpr int fewest_steps = light_steps / (most_light_keys - 1);
 
-// Number of rays along the longer side of the image. The change of light is measured at the surface points
-// that these rays hit.
+// Number of eye rays along the longer side of the image. Light may change during the exposure, because
+// objects or lights move. This change is measured at the surface points that these rays hit, to find how many
+// instants must be recorded.
 constexpr int longer_side = 80;
 
 /// A point of a surface, without its object's motion.
@@ -57,9 +58,10 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR, dB, of images if only some of the tested instants are recorded: 0,
-    /// between, 2 * between and so on.
-    /// The frame's own instant is always recorded. If `between` is 0, it is the only one.
+    /// Returns the predicted PSNR, dB, of an image that is made from few recorded instants, because the light
+    /// changes between them. The tested instants are numbered from 0, and those with the numbers 0,
+    /// `between`, 2 * between and so on are recorded. The frame's own instant is recorded in addition. If
+    /// `between` is 0, it is the only one.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))
@@ -116,8 +118,9 @@ class LightChange {
         batch.add(ray.origin, ray.direction, std::numeric_limits<float>::infinity(), {}, share_of(time_s));
     }
 
-    // Returns the surface points that a grid of eye rays hits. Neighbouring rays have very different
-    // instants, so surfaces that are in view only briefly are hit, too.
+    // Returns the surface points that a grid of eye rays hits. Each ray is traced at its own instant of the
+    // shutter interval. Neighbouring rays have very different instants, so that the rays also hit surfaces
+    // that are in view only briefly.
     [[nodiscard]] std::vector<Point> visible_points() {
         const double px = std::max(model_.width, model_.height) / static_cast<double>(longer_side);
         const int across = std::max(1, static_cast<int>(model_.width / px)),
@@ -178,8 +181,10 @@ class LightChange {
             tracer_.trace(eye, counts);
             for (std::size_t k = 0; k < of.size(); ++k) {
                 const auto [p, i] = of[k];
-                // Eye rays that hit the point's object at the point's distance see the point. This relative
-                // tolerance of the distance is needed because rays are traced in single precision.
+                // Relative tolerance of a distance. An eye ray towards the surface point p sees this point if
+                // it hits the point's object at the point's distance. If it hits anything nearer, the point
+                // is hidden. The tolerance is needed because the distance of a hit is computed in single
+                // precision.
                 constexpr double near = 1e-3;
                 if (!eye.rays.hit(k).valid() || rays_.object(eye.rays.hit(k)) != points[p].object ||
                     std::abs(static_cast<double>(eye.rays.t[k]) - distance_m[k]) > near * distance_m[k])
@@ -219,8 +224,10 @@ LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverr
                           {std::min(shutter.open_s, recorded_s), std::max(shutter.close_s, recorded_s)}))
         return {1, infinite};
     const LightChange change(scene, camera, overrides, recorded_s, shutter, tracing);
-    // Starts with the most recorded instants, and halves their number as long as the PSNR reaches the target.
-    // A start with few instants could end too early, because errors may cancel by chance.
+    // Finds the smallest number of recorded instants (keys) with which the predicted PSNR of the image
+    // reaches `target_db`. Starts with the greatest allowed number of keys, and halves it as long as the PSNR
+    // reaches the target. A search from few keys upwards could end too early, because errors at a few
+    // instants may cancel by chance.
     LightKeys out{most_light_keys, change.psnr_db(fewest_steps)};
     for (int between = 2 * fewest_steps; out.keys > 1; between *= 2) {
         const bool ends = between > light_steps;

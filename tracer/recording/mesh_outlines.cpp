@@ -144,8 +144,9 @@ bool MeshOutlines::cross(double x, double y, double size, const Shown& shown) co
                        static_cast<std::ptrdiff_t>(row_begin_[static_cast<std::size_t>(row - y_begin_)]),
                last = crossings_.begin() +
                       static_cast<std::ptrdiff_t>(row_begin_[static_cast<std::size_t>(row - y_begin_) + 1]);
-    // Tests mesh edges against a slightly smaller square, so that an edge along a side of the square does not
-    // count as inside.
+    // Tests whether an edge of a mesh crosses the square from (x, y), `size` px wide. The square is made
+    // slightly smaller for this test. Otherwise, an edge that runs along a side of the square would count as
+    // crossing it.
     const double margin = size / 64;
     const dvec2 low(x + margin, y + margin), high(x + size - margin, y + size - margin);
     for (auto c = std::lower_bound(first, last, column, [](const Crossing&a, int to) { return a.x < to; });
@@ -160,8 +161,9 @@ bool MeshOutlines::cross(double x, double y, double size, const Shown& shown) co
         const auto corner = [&](std::size_t k) { return nearness(static_cast<double>(shown.z_m[k])); };
         const double behind =
             glm::mix(glm::mix(corner(0), corner(1), at.x), glm::mix(corner(2), corner(3), at.x), at.y);
-        // Mesh edges are outlines here only if they lie in front of the visible surface. Rounding errors may
-        // move edges in the plane of this surface to the front; the tolerance excludes them.
+        // Relative tolerance of a depth. The edges of a mesh are outlines here only if they lie in front of
+        // the visible surface. Because of rounding errors, edges that lie in the plane of this surface may
+        // seem to be slightly in front of it. The tolerance excludes such edges.
         constexpr double in_plane = 1e-4;
         if (!std::isfinite(behind) ||
             glm::mix(static_cast<double>(edge.from_nearness), static_cast<double>(edge.to_nearness), t) >

@@ -34,9 +34,9 @@ class MeshOutlines {
         std::uint32_t id = 0, part = 0;
         std::array<float, 4> z_m{};  ///< z' at the upper left, upper right, lower left and lower right corner
     };
-    /// Tests a square of the image in which the part `shown` of an object is visible. Returns true if the
-    /// outline of another, nearer part crosses the square.
-    /// The square lies within one pixel. (x, y) is its upper left corner, and `size` its width, px.
+    /// Tests a square of the image whose corners all show the same part of an object, `shown`. Returns true
+    /// if the outline of another, nearer part crosses the square. The square must lie within one pixel. Its
+    /// upper left corner is (x, y), and `size` is its width, all in px.
     [[nodiscard]] bool cross(double x, double y, double size, const Shown& shown) const;
 
   private:
@@ -54,8 +54,9 @@ class MeshOutlines {
     void add_mesh(const Object& object, const Mesh& mesh, std::size_t index, const ObjectParts& parts,
                   const CameraModel& camera, double time_s);
     void index_rows();
-    /// Returns the inverse depth, 1/m, or, for an orthographic camera, minus the depth, m.
-    /// Within a plane, it is a linear function of the raster position. It increases towards the camera.
+    /// Returns a measure of how near a point at the depth `z_m` is to the camera. It is the inverse depth,
+    /// 1/m, or, for an orthographic camera, minus the depth, m. Within a plane, this measure is a linear
+    /// function of the raster position, so it can be interpolated along an edge.
     [[nodiscard]] double nearness(double z_m) const { return orthographic_ ? -z_m : 1 / z_m; }
     template <typename Take>
     void each_pixel(const Edge& edge, const Take& take) const;

@@ -59,8 +59,9 @@ bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const g
 int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                   const std::optional<FocusGeometry>& lens, const FilmMotion* motion) {
     const int farthest = std::min(largest_px, std::max(camera.width, camera.height) / 2);
-    // Positions, px, of the traced eye rays, every `step_px`. They include the image's border, because a
-    // surface seen there may end just beyond it.
+    // Positions, px, of the eye rays along one axis of the raster, at intervals of `step_px`, from the
+    // overscan on one side to that on the other. The image's border is always one of the positions, because a
+    // surface that is seen there may end just outside the image.
     const auto positions = [farthest](int size) {
         std::vector<int> out;
         for (int p = -(farthest / step_px) * step_px; p < size; p += step_px) out.push_back(p);

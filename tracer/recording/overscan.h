@@ -10,10 +10,10 @@
 
 namespace postlens {
 
-/// Returns the overscan, i.e. how many pixels around the frame must be traced. It contains all samples whose
-/// light the lens or `motion` (may be null) brings into the frame.
-/// It is found by a coarse trace with one sample per 8 px, and is at most half of the frame's longer side and
-/// 4096.
+/// Returns the overscan, i.e. the width, px, of the border around the frame that must be traced, too. The
+/// border contains all surface points whose light the blur of `lens` or the movement `motion` (may be null)
+/// brings into the frame. The width is found by a coarse trace with one sample per 8 px. It is at most half
+/// of the frame's longer side and at most 4096 px.
 [[nodiscard]] int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                                 const std::optional<FocusGeometry>& lens, const FilmMotion* motion);
 

@@ -18,11 +18,12 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr int tile_px = 16;
-// Number of pieces, each with one width and depth, into which a long narrow object is divided. Its width and
-// depth may vary along its length.
+// Number of pieces into which a long narrow object is divided along its axis. Each piece is treated as if it
+// had one width and one depth, although the object's width and depth may vary along its length.
 constexpr int pieces = 16;
-// Each piece of a narrow object has one width. A piece of a cone is halved, up to this number of times, if
-// one of its ends is more than twice as wide as the other.
+// A long narrow object is divided into pieces along its axis, and each piece is treated as if its width were
+// constant. A cone tapers, so this is inaccurate for a piece with one end more than twice as wide as the
+// other. Such a piece is halved, up to this number of times.
 constexpr int most_halves = 16;
 // Width of the smallest quadtree cells, px. An object that is narrower may lie between all corners of cells.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
@@ -31,8 +32,9 @@ constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // A cone has different widths at the ends of its axis. The factors of half[1] and half[2] are ends.x at
-    // centre - half[0], and ends.y at centre + half[0].
+    // The axis of a cone runs from centre - half[0] to centre + half[0], and the cone may have a different
+    // width at each of these ends. half[1] and half[2] are the half axes across it. They are multiplied by
+    // ends.x at the first end and by ends.y at the second end.
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -47,15 +49,16 @@ std::array<dvec3, 2> perpendicular_to(const dvec3& axis) {
     return {u, glm::normalize(glm::cross(axis, u))};
 }
 
-/// Returns the centre and the half axes of a box. Its axes are the columns of `turn`, and `sides` are its
-/// limits along these axes.
+/// Returns the centre and the three half axes of a box. The directions of its axes are the columns of the
+/// matrix `turn`. `sides` contains the box's least and greatest coordinates along these axes.
 Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     const dvec3 h = (sides.max - sides.min) / 2.0;
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
 }
 
-/// Computes two boxes that contain all points, and returns the one with the smaller surface area. The first
-/// box is parallel to the coordinate axes. The second is turned towards the point farthest from the centre.
+/// Returns a small box that contains all points. Two boxes are computed, and the one with the smaller surface
+/// area is returned. The first box is parallel to the coordinate axes. The second box is turned so that one
+/// of its axes points to the point farthest from the centre.
 Axes box_around(const std::vector<glm::vec3>& points) {
     const auto sides = [&](const dmat3& turn) {
         Bounds out;
@@ -202,8 +205,8 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
 }
 
 /// Divides a long object into straight pieces along its longest axis, and calls take(from, to, half) for each
-/// piece. A compact object is a single piece.
-/// `from` and `to` are the ends of the piece's axis, and `half` holds its three half axes.
+/// piece. `from` and `to` are the ends of the piece's axis, and `half` contains its three half axes. A
+/// compact object is a single piece, for which `from` and `to` are equal.
 template <typename Take>
 void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     const bool tapers = axes.ends.x != axes.ends.y;
@@ -329,13 +332,16 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // The outline of a compact bright object needs small quadtree cells, so that the object's area on the
-    // raster is accurate. If the object is long (from != to), the errors of its many cells average out, so 1
-    // px suffices.
+    // Sets the largest size of the quadtree cells at the outline of this piece of an object. `from` and `to`
+    // are the ends of its axis. A compact bright object (from == to) needs small cells, so that its area on
+    // the raster, and so its brightness, is accurate. A long object has many cells on its outline, and their
+    // errors average out. So cells of 1 px suffice for it.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits memory. Each piece of a narrow object needs at least three quadtree cells. So if there are half
-    // as many pieces as allowed cells, not all can be kept.
+    // Limits the memory for the pieces into which narrow objects are divided. Each piece needs at least three
+    // quadtree cells. If the number of pieces exceeds half the number of allowed cells, they therefore need
+    // more cells than allowed, so not all of them can be kept. The number is tested here, and not only at the
+    // end, to keep the list short.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
@@ -418,9 +424,10 @@ WantedCells SmallThings::wanted(double x, double y, double size, double farthest
     for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
         const Piece& r = pieces_[tile_pieces_[i]];
         if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
-        // A narrow object extends at most r.reach from its axis, and a quadtree cell at most 0.7071 * size
-        // from its centre (0.7072 allows for rounding). If axis and centre are farther apart than both
-        // together, object and cell do not overlap.
+        // Skips the pieces of narrow objects that do not overlap the quadtree cell. A piece extends at most
+        // r.reach from its axis, and the cell extends at most 0.7071 * size from its centre. (0.7072 allows
+        // for rounding errors.) If the axis and the cell's centre are farther apart than the sum of both, the
+        // piece and the cell do not overlap.
         if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
         out.find_px = std::min(out.find_px, r.find_px);
         out.outline_px = std::min(out.outline_px, r.outline_px);

@@ -28,14 +28,14 @@ class SmallThings {
     /// At this size, at least one corner always lies on the object, so that a ray hits the object.
     static constexpr double find_share = 0.5;
     /// Largest size of the quadtree cells at the outline of a compact bright object, as a fraction of the
-    /// object's width. With this size, the area of a disc, and so the brightness of its blur, has an error of
-    /// 1.2 % (Kendall 1948).
+    /// object's width. With cells of this size, the area of a disc on the raster has an error of 1.2 %
+    /// (Kendall 1948), and so does the brightness of its blur.
     static constexpr double bright_share = 0.0625;
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;
-    /// Largest average number of quadtree cells per pixel.
-    /// If all narrow objects together need more cells, bright objects get cells first, and then the other
-    /// objects, from the widest to the narrowest.
+    /// Largest average number of quadtree cells per pixel that narrow objects may cause. If all of them
+    /// together need more cells, the bright objects get their cells first. The remaining cells go to the
+    /// other objects, from the widest to the narrowest.
     static constexpr double most_cells_per_pixel = 4;
 
     /// Contains no narrow objects. Used to sample without a scene.
@@ -48,9 +48,9 @@ class SmallThings {
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
     /// Bright objects seen in mirrors and glass.
     [[nodiscard]] const BrightImages& images() const { return images_; }
-    /// Finds the outlines of meshes, because rays through the corners of a quadtree cell may miss an outline
-    /// inside the cell.
-    /// Needs up to 160 bytes of memory per pixel. Takes the same arguments as the constructor.
+    /// Finds the outlines of meshes in the image, because the eye rays through the corners of a quadtree cell
+    /// may all miss an outline that crosses the cell. The parameters must be those of the constructor. Needs
+    /// up to 160 bytes of memory per pixel.
     void find_outlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera,
                        double time_s);
     /// Empty before find_outlines().

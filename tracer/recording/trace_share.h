@@ -18,8 +18,9 @@ struct RowRange {
 /// are more runs than rows.
 [[nodiscard]] RowRange rows_of_share(const Share& share, int y_begin, int y_end);
 
-/// Like sample_corners, but for one of several program runs. It traces only its own pixel rows (`share`); all
-/// other rows get records of rays that hit nothing.
+/// Traces the samples at the corners of pixels and quadtree cells, like sample_corners, but for one of
+/// several program runs that share the work. Traces only the pixel rows of this run, which `share`
+/// determines. All other rows get records of rays that hit nothing, in place of those that other runs trace.
 RayCounts sample_share(const Share& share, const WhittedTracer& tracer, const SampledWindow& window,
                        const SubdivisionSettings& settings,
                        const std::function<void(const RecordBand&)>& take, const SmallThings& things);

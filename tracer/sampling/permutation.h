@@ -22,8 +22,10 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // step() uses only the lowest `bits` bits of offset_[r] in mixing round r. So the highest 4 bits
-            // can also choose the bit shift of this round.
+            // A number is permuted in several rounds. Round r multiplies it, adds offset_[r], and combines it
+            // with itself, shifted by shift_[r] bits. Only the lowest `bits` bits of the result are used, so
+            // the highest bits of offset_[r] mostly have no effect. Therefore, its highest 4 bits can also
+            // choose the shift.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }
@@ -36,8 +38,10 @@ class Permutation {
         return x;
     }
 
-    /// Replaces each of the `lanes` integers x, in [0, n), by its permuted value. step() permutes a range [0,
-    /// 2^k) that contains [0, n), so it is repeated until the value is less than n (cycle walking).
+    /// Replaces each of the `lanes` integers x, in [0, n), by its image under the random permutation. step()
+    /// permutes the integers in [0, 2^k), the smallest such range that contains [0, n). So its result may be
+    /// n or more. Then step() is applied to this result again, until the result is less than n (cycle
+    /// walking).
     template <int lanes>
     [[gnu::always_inline]] void permute(std::uint32_t* x) const {
         bool walking = step<lanes>(x, true);
@@ -61,8 +65,9 @@ class Permutation {
         return outside != 0;
     }
 
-    /// Number of times that an index is mixed. Six rounds make all permutations of 2 to 5 elements equally
-    /// frequent, within 4 %. With four rounds, their frequencies differ by tens of percent.
+    /// Number of rounds in which step() multiplies, shifts and adds to permute an integer at random. With six
+    /// rounds, all permutations of 2 to 5 elements are equally frequent, within 4 %. With four rounds, their
+    /// frequencies would differ by tens of percent.
     static constexpr std::uint32_t rounds = 6;
     std::uint32_t n_, mask_ = 0;
     std::uint32_t multiplier_[rounds] = {}, offset_[rounds] = {};

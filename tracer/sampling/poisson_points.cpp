@@ -28,8 +28,8 @@ class DartGrid {
           point_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_), -1) {}
 
     [[nodiscard]] bool has_room(const PoissonPattern& p, std::uint32_t u, std::uint32_t v) const {
-        // Points closer than `distance` are at most two grid cells away, because a cell is at least distance
-        // / 2 wide.
+        // Searches the neighbouring grid cells for a point that is closer to (u, v) than `distance`. A cell
+        // is at least distance / 2 wide, so such a point can be at most two cells away along each axis.
         for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
                 const int k = point_[cell(column(u) + dx, column(v) + dy)];
@@ -56,8 +56,9 @@ class DartGrid {
 };
 
 std::optional<PoissonPattern> throw_darts(int n, std::uint64_t key) {
-    // Adds random points until n of them have the minimum distance. Gives up after `limit` tries, which is
-    // high because the last point alone needs 100 tries on average.
+    // Adds random points until there are n of them. A point that is too close to an earlier point is
+    // discarded. Gives up after `limit` tries. This limit is high, because the last point alone needs 100
+    // tries on average.
     const auto limit = static_cast<std::uint32_t>(1000 + 200 * n);
     PoissonPattern p;
     DartGrid grid(poisson_distance_share * densest_distance(n));
@@ -98,8 +99,8 @@ POSTLENS_MULTIVERSION void pattern_points_16(const PatternTask& t, float* u, flo
     pattern_points<sample_lanes>(t, u, v);
 }
 
-/// Writes one random point for each of `count` samples of a pixel, 1 to 16. All points come from one
-/// precomputed pattern.
+/// Writes one random point (u, v) for each of `count` samples of a pixel, where `count` is 1 to 16. All these
+/// points come from one precomputed pattern, in which points have a minimum distance from each other.
 void fill_run(const PatternTask& t, int count, float* u, float* v) {
     if (count == 1) return pattern_points<1>(t, u, v);
     if (count == sample_lanes) return pattern_points_16(t, u, v);

@@ -9,8 +9,9 @@
 
 namespace postlens {
 
-/// Points on the torus [0, 1)^2, as integers in units of 2^-32. Adding a shift wraps them around the torus by
-/// integer overflow.
+/// Points (u, v) on the torus [0, 1)^2, i.e. on a square whose opposite sides are joined. The coordinates are
+/// integers in units of 2^-32. So if a shift is added to a coordinate, integer overflow wraps it around the
+/// torus.
 struct PoissonPattern {
     std::vector<std::uint32_t> u, v;
 };
@@ -19,12 +20,13 @@ struct PoissonPattern {
 /// Points on a hexagonal grid have this distance.
 [[nodiscard]] double densest_distance(int n);
 
-/// Returns n random points on the torus [0, 1)^2, where n is 1 to 1024.
-/// All points are at least `poisson_distance_share` times the largest possible minimum distance,
-/// densest_distance(n), apart.
+/// Returns n random points with a minimum distance from each other, where n is 1 to 1024. They lie on the
+/// torus [0, 1)^2. densest_distance(n) is the largest minimum distance that n points can have. The returned
+/// points are at least `poisson_distance_share` times this distance apart.
 [[nodiscard]] PoissonPattern poisson_pattern(int n, std::uint64_t seed);
-/// Minimum distance of points, as a fraction of the largest possible one (densest_distance). With a fraction
-/// of 0.777, random placement rarely finds room for the last point.
+/// Minimum distance between the points of a pattern, as a fraction of the largest possible minimum distance
+/// (densest_distance). Points are placed at random one after another. With a fraction of 0.777, the last
+/// point would rarely find room.
 inline constexpr double poisson_distance_share = 0.7;
 
 /// Returns n random points on a circle of circumference 1, in units of 2^-32. Neighbours are at least d =
@@ -42,9 +44,10 @@ class PoissonPoints {
 
     /// n: 1 .. 2^20.
     PoissonPoints(std::uint32_t n, std::uint64_t seed);
-    /// Writes points of a Poisson-disc pattern for the samples [first, first + count) of a pixel, where count
-    /// is 1 to 16.
-    /// With `permuted`, the samples get the pattern's points in random order, otherwise in its own order.
+    /// Writes one point (u, v) for each of the samples [first, first + count) of a pixel, where `count` is 1
+    /// to 16. The points come from a Poisson-disc pattern, i.e. they have a minimum distance from each other.
+    /// If `permuted` is true, the samples get the pattern's points in random order, otherwise in the
+    /// pattern's own order.
     void fill_2d(SetKey key, bool permuted, int first, int count, float* u, float* v) const;
     void fill_1d(SetKey key, bool permuted, int first, int count, float* u) const;
 
@@ -61,8 +64,9 @@ class PoissonPoints {
     [[nodiscard]] const Patterns& patterns_of(const Block& b) const;
 
     std::uint32_t n_, blocks_;
-    /// Patterns for blocks of floor(n_ / blocks_) samples, and then for blocks of one sample more. The n_
-    /// samples are divided into blocks of these two sizes.
+    /// The samples of a pixel are divided into `blocks_` blocks, each with its own pattern of points. Since
+    /// n_ may not be a multiple of blocks_, a block contains either floor(n_ / blocks_) samples or one more.
+    /// sizes_[0] holds the patterns for the smaller blocks, and sizes_[1] those for the larger ones.
     std::array<Patterns, 2> sizes_;
 };
 

@@ -12,9 +12,9 @@
 
 namespace postlens {
 
-/// How the samples of a pixel are distributed. Raster positions, lens points and instants are each
-/// distributed in this manner, and then combined at random.
-/// Only with `sobol`, the combinations are evenly distributed, too.
+/// How the samples of a pixel are distributed. Each sample has a raster position, a lens point and an
+/// instant. The raster positions, the lens points and the instants are each distributed in this way, and are
+/// then combined at random. Only with `sobol`, the combinations are evenly distributed, too.
 enum class SamplerKind {
     grid,      ///< the centres of spp cells of equal area
     jittered,  ///< a random point in each of these cells [cook1984]
@@ -23,30 +23,33 @@ enum class SamplerKind {
     sobol,     ///< Owen-scrambled Sobol points [owen1995, burley2020]
 };
 
-/// Identifies an independent set of random points. The first three sets are for eye rays: position in the
-/// pixel, lens point and instant. `sample_set` makes all others.
+/// Number of a set of random points. Different sets are independent. Each set serves one purpose. The first
+/// three sets are for eye rays: they are the positions in the pixel, the lens points and the instants. The
+/// function `sample_set` makes all other sets.
 struct SampleSet {
     std::uint32_t id;
 };
 inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
 
-/// Returns a set of random points for one purpose, such as area lights. `a` and `b` number the sets of this
-/// purpose. Two different sets have equal points with a probability of 2^-32.
+/// Returns a set of random points for one purpose, such as area lights. `purpose` is the number of the
+/// purpose. If a purpose needs several sets, `a` and `b` distinguish them. Two different sets have the same
+/// points with a probability of only 2^-32.
 [[nodiscard]] constexpr SampleSet sample_set(std::uint32_t purpose, std::uint32_t a, std::uint32_t b) {
     const std::uint64_t word = mix64(mix64(static_cast<std::uint64_t>(purpose) << 32 | a) ^ b);
     const std::uint32_t id = high_word(word);
     return {id > time_set.id ? id : id + time_set.id + 1};
 }
 
-/// Random numbers in [0, 1), multiples of 2^-24, for the samples of a pixel; equal on all processors.
-/// Use all samples of a pixel, because a subset may not be well distributed. The 1D and 2D points of a
-/// SampleSet are independent.
+/// Makes random numbers and points for the samples of a pixel. The numbers are multiples of 2^-24 in [0, 1),
+/// and are equal on all processors. All samples of a pixel should be used, because a subset of them may not
+/// be well distributed. The 1D and 2D points of a SampleSet are independent of each other.
 class Sampler {
   public:
     static constexpr int max_spp = 1 << 20;
 
-    /// `spp` is the number of samples per pixel. Throws Error(wrong_arguments) outside 1 .. max_spp.
-    /// For `poisson`, the construction takes up to a few tenths of a second.
+    /// `spp` is the number of samples per pixel. Throws Error(wrong_arguments) if it is not in 1 .. max_spp.
+    /// For the kind `poisson`, the construction takes up to a few tenths of a second, because patterns of
+    /// points are computed.
     Sampler(SamplerKind kind, int spp, std::uint64_t seed);
 
     [[nodiscard]] SamplerKind kind() const { return kind_; }
@@ -63,8 +66,9 @@ class Sampler {
         alignas(64) float pixel_u[sample_lanes], pixel_v[sample_lanes], lens_u[sample_lanes],
             lens_v[sample_lanes], time_u[sample_lanes];
     };
-    /// Writes the sample points of eye rays: position in the pixel, lens point and time.
-    /// Entries from `count` on are undefined.
+    /// Writes the sample points of `count` eye rays of a pixel, beginning with sample number `first`. Each
+    /// eye ray gets a position in the pixel, a lens point and a time. The entries of `out` from index `count`
+    /// on are undefined.
     void fill_eye(std::uint32_t pixel, int first, int count, EyeSamples& out) const;
 
     [[nodiscard]] glm::vec2 point_2d(std::uint32_t pixel, SampleSet set, int index) const;

@@ -27,8 +27,9 @@ struct Divisor {
     /// Returns the lower edge of interval number `cell` if [0, 1) is divided into `value` equal intervals.
     /// The result is in units of 2^-24, rounded up.
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
-        // Computes ceil(a / d) as floor((a + d - 1) / d), where a = cell * 2^24 and d = `value`. Adding 0.5
-        // against rounding errors turns d - 1 into d - 0.5.
+        // Computes ceil(a / d) as floor((a + d - 1) / d), where a = cell * 2^24 and d = `value`. The product
+        // with `inverse`, which is 1 / d, may have a rounding error. To be safe from it, 0.5 is added before
+        // the division, so d - 1 becomes d - 0.5.
         return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
     }
 };
@@ -47,8 +48,9 @@ template <int lanes>
     if (t.permuted) Permutation(t.n, t.key.stream(0)).permute<lanes>(cell);
 }
 
-/// Computes the position of each sample point within its stratum, i.e. its cell of the unit interval or
-/// square. The result for one axis is a multiple of 2^-24 in [0, 1).
+/// Each sample lies in its own cell of the unit interval or square. Computes where the sample point lies
+/// within this cell, along one axis, as a fraction of the cell's width. The fraction is a multiple of 2^-24
+/// in [0, 1). It is random, or 0.5 if the points are the cells' centres.
 template <int lanes>
 [[gnu::always_inline]] inline void shares(const StrataTask& t, std::uint32_t purpose, double* share) {
     const std::uint64_t key = t.key.stream(purpose);
@@ -70,8 +72,10 @@ template <int lanes>
     const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
-        // Row r of the unit square begins at cell floor(r * n / rows), where n is the number of cells. So
-        // cell c is in the last row that begins at or before it.
+        // Finds the row of cell c. The unit square is divided into `rows` rows and n cells, which are
+        // numbered row by row, and row r begins at cell floor(r * n / rows). Cell c lies in the last row that
+        // begins at c or before it. `begin` and `end` are the numbers of the first cells of this row and of
+        // the next one.
         const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
         const std::int32_t begin = rows.rounded_down(row * n.value),
                            end = rows.rounded_down((row + 1) * n.value);
@@ -81,8 +85,9 @@ template <int lanes>
         cells_of_row.value = is_few ? few_cells.value : more_cells.value;
         cells_of_row.inverse = is_few ? few_cells.inverse : more_cells.inverse;
         u[i] = unit_float_24(between(cells_of_row.edge(column), cells_of_row.edge(column + 1), share_u[i]));
-        // All cells of the unit square have the same area. So the height of a row is proportional to the
-        // number of cells into which the row is divided.
+        // All n cells of the unit square have the same area. So a row that is divided into more cells is
+        // higher, in proportion to their number. Therefore, a row with the cells `begin` to end - 1 extends
+        // from begin / n to end / n.
         v[i] = unit_float_24(between(n.edge(begin), n.edge(end), share_v[i]));
     }
 }

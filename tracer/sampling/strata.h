@@ -17,19 +17,23 @@ class Strata {
     explicit Strata(std::uint32_t n);
     [[nodiscard]] std::uint32_t count() const { return n_; }
     [[nodiscard]] std::uint32_t rows() const { return rows_; }
-    /// The n cells are numbered row by row. Returns the number of the first cell in a row. row_begin(rows())
-    /// is n.
+    /// The unit square is divided into `rows()` rows and n cells. The cells are numbered row by row, and some
+    /// rows have one cell more than others. Returns the number of the first cell in row `row`;
+    /// row_begin(rows()) is n.
     [[nodiscard]] std::uint32_t row_begin(std::uint32_t row) const {
         return static_cast<std::uint32_t>(static_cast<std::uint64_t>(row) * n_ / rows_);
     }
 
-    /// Writes one point for each of the samples first .. first + lanes - 1. Each of the n samples has its own
-    /// cell of the unit square, and all cells have the area 1/n.
+    /// Writes one point of the unit square for each of the samples first .. first + lanes - 1 of a pixel. The
+    /// square is divided into n cells of area 1/n, and each of the pixel's n samples has its own cell.
+    /// - `where`: a point is the centre of its cell or a random point in it
     /// - `permuted`: the cells are assigned to the samples in random order
     /// - `lanes`: 1 or 16
+    /// - `u`, `v`: receive the points' coordinates
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;
-    /// Like fill_2d, but for one dimension: [0, 1) is divided into n equal intervals, one for each sample of
-    /// a pixel. `u` receives the samples' points.
+    /// Writes one number in [0, 1) for each of the samples first .. first + lanes - 1 of a pixel. [0, 1) is
+    /// divided into n equal intervals, and each of the pixel's n samples has its own interval. The parameters
+    /// are those of fill_2d, and `u` receives the numbers.
     void fill_1d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u) const;
 
   private:

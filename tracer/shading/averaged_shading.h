@@ -1,5 +1,5 @@
-// Counts a scene's glossy materials and area lights. A sample file stores the light of each as a mean over
-// several rays.
+// Counts the glossy materials and the area lights of a scene. A surface receives their light from many
+// directions. A sample file stores it as one radiance, the mean over several random rays, and so with noise.
 #pragma once
 
 #include <cstdint>

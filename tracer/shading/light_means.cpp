@@ -28,10 +28,10 @@ dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
            static_cast<double>(k);
 }
 
-// Returns point i of the twelve points of an area light whose visibility is tested first: 8 on the outline of
-// the light and 4 inside.
-// The outline's points on a sphere are 45 degrees apart and rotated by a random angle. Otherwise, occluders
-// between them would always be missed.
+// Returns point number i of the twelve points of an area light whose visibility is tested first. Points 0 to
+// 7 lie on the outline of the light, and points 8 to 11 lie inside. On a spherical light, the points on the
+// outline are 45 degrees apart and are rotated together by a random angle. Without this rotation, occluders
+// between the points would always be missed.
 dvec2 first_point(const PlacedLight& light, std::uint64_t seed, int i) {
     if (i >= 8) return cell_point(seed, 2, i % 2, i / 2 % 2);
     constexpr double inside = 1 - 1e-6;
@@ -75,9 +75,10 @@ dvec3 unshadowed(const ExtentLit& p) {
     }
 }
 
-// Returns the number k for which a light, divided into k x k cells, causes noise of target_noise at a shadow
-// edge. The edge crosses k cells, and each adds L / k^2 to the radiance L or nothing, by chance. So the noise
-// is sqrt(k) (L / 2) / k^2.
+// Returns the number k for which an area light, divided into k x k cells, causes noise of target_noise at a
+// shadow edge. One shadow ray is sent to a random point of each cell. The edge of the occluder crosses about
+// k cells. The ray to such a cell adds L / k^2 to the radiance, or nothing if it is blocked, where L is the
+// radiance without shadows. So the standard deviation of the sum is sqrt(k) (L / 2) / k^2.
 int cells_for(const ExtentLit& p, const dvec3& radiance) {
     const double bright = largest(radiance * p.throughput);
     const double k = std::ceil(std::pow(bright / (2 * target_noise), 2.0 / 3));

@@ -1,5 +1,6 @@
-// Computes the radiance that a surface point reflects from an area light, averaged over the light.
-// It can be stored with the surface, because a penumbra looks the same from every lens point.
+// Computes the radiance that a surface point reflects from an area light, averaged over the light's area. A
+// penumbra (the soft edge of a shadow) looks the same from every lens point. Therefore, this mean can be
+// stored with the surface.
 #pragma once
 
 #include <cstdint>
@@ -24,23 +25,24 @@ struct ExtentLit {
     std::uint64_t seed = 0;  ///< seed of the sample points on the light source
 
     glm::dvec3 radiance{0};  ///< result: radiance with shadows, before `throughput`
-    /// Noise-free estimate of the radiance: the radiance without shadows, times 1 if the light is visible,
-    /// 0.5 if it is partly visible, or 0 if it is hidden.
+    /// Result: estimate of `radiance` that has no noise. It is the radiance that the light would cause
+    /// without shadows, times a factor. The factor is 1 if the light is visible from the surface point, 0.5
+    /// if it is partly visible, and 0 if it is hidden.
     glm::dvec3 steady{0};
 };
 
-/// Computes the mean radiance that a surface reflects from an area light.
-/// First, twelve shadow rays test the light's visibility: eight to its outline and one to each quarter.
-/// If their transmittances agree, the result is the unshadowed mean times the transmittance.
-/// Otherwise the light is divided into k x k cells, each with one shadow ray to a random point.
+/// Computes the mean radiance that a surface reflects from an area light. First, twelve shadow rays test how
+/// visible the light is: eight rays to its outline and one to each of its quarters. If all of them have the
+/// same transmittance, the result is this transmittance times the mean radiance without shadows. Otherwise,
+/// the light lies partly in shadow. Then it is divided into k x k cells, and one shadow ray is sent to a
+/// random point of each cell.
 class LightMeans {
   public:
     static constexpr int most_cells = 16;
 
     explicit LightMeans(const RayScene& scene) : scene_(scene) {}
-    /// Sets the mean radiance that each of the `points` reflects from its area light. `rays` is a temporary
-    /// buffer. Thread-safe.
-    /// Adds the number of rays to `shadow_rays`.
+    /// For each of the `points`, sets the mean radiance that the surface point reflects from its area light.
+    /// `rays` is a temporary buffer. The number of traced rays is added to `shadow_rays`. Thread-safe.
     void average(std::vector<ExtentLit>& points, RayBatch& rays, std::uint64_t& shadow_rays) const;
 
   private:

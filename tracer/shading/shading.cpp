@@ -83,8 +83,9 @@ double schlick_weight(double cosine) {
 
 namespace {
 
-// Returns the specular coefficient of a highlight. With `fresnel`, it depends on the angle of incidence at
-// microfacets. Their normal is halfway between the directions to the light and to the eye.
+// Returns the specular coefficient of the highlight that a light causes on a material. If the material has
+// `fresnel`, the coefficient depends on the angle at which the light meets the surface's microfacets. The
+// normal of the microfacets that reflect it is halfway between the directions to the light and to the eye.
 dvec3 highlight(const Material& m, const dvec3& to_light, const dvec3& direction) {
     if (!m.fresnel) return m.specular;
     const dvec3 half = to_light - direction;
@@ -123,7 +124,8 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     }
     dvec3 reflected = (front ? m.diffuse : m.diffuse_transmission) * colour * std::abs(n_l);
     if (front && m.has_highlight()) {
-        // The cosine R . V of the highlight: R is the mirrored direction to the light, V that to the eye.
+        // The highlight of the Phong model depends on the cosine R . V. R is the direction to the light,
+        // mirrored at the surface normal, and V is the direction to the eye, i.e. -direction.
         const double r_v = -glm::dot(2 * n_l * f.normal - to_light, direction);
         if (r_v > 0) reflected += highlight(m, to_light, direction) * std::pow(r_v, m.shininess);
     }
@@ -169,8 +171,9 @@ Continuation continuation(const Material& m, const Facing& f, const dvec3& direc
 dvec3 mirrored_direction(const Continuation& c, const Facing& f, const dvec3& direction, bool& inwards) {
     dvec3 mirrored = direction - 2 * c.d_n * f.normal;
     inwards = glm::dot(mirrored, f.geometric_normal) <= 0;
-    // A mirror direction computed from the interpolated normal may point into the surface. One computed from
-    // the geometric normal never does.
+    // The mirror direction was computed from the interpolated normal of the mesh, and it may therefore point
+    // into the surface. In this case, it is computed again from the geometric normal, with which it never
+    // does so.
     if (inwards) mirrored = glm::reflect(direction, f.geometric_normal);
     return glm::normalize(mirrored);
 }

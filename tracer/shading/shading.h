@@ -50,8 +50,9 @@ struct Lit {
     glm::dvec3 origin{0}, segment{0};
     float reach = 0;
 };
-/// Returns the radiance that a surface reflects or transmits from one light, without shadows.
-/// `at` is a point on the light (light_point). `direction` is that of the ray that sees the surface.
+/// Returns the radiance that a surface reflects or transmits from one light towards the eye, if no shadow
+/// falls on it. `at` is a point on the light (light_point). `direction` is the direction of the ray that sees
+/// the surface.
 [[nodiscard]] Lit lit_by(const PlacedLight& placed, const glm::dvec3& at, const SurfacePoint& s,
                          const Facing& f, const Material& m, const glm::dvec3& colour,
                          const glm::dvec3& direction);
@@ -59,8 +60,8 @@ struct Lit {
 /// Returns (1 - cosine)^5, the weight of the reflectance at grazing incidence [schlick1994, eq. 24].
 [[nodiscard]] double schlick_weight(double cosine);
 
-/// How light continues at a hit: the weights of the reflected and the refracted ray, and the values from
-/// which their directions are computed.
+/// How light paths continue at a surface hit: the weights of the reflected and the refracted ray, and the
+/// values from which the directions of both rays are computed.
 struct Continuation {
     /// Factors by which the radiance of the reflected and the refracted ray is multiplied.
     /// In total internal reflection, `transmitted` is 0 and its light is added to `reflected`.

@@ -6,8 +6,10 @@
 namespace postlens {
 namespace {
 
-/// Returns the surface hit of a sample that has the given path and layer. If there is none, returns the hit
-/// with this path in layer 0, because a hidden layer does not repeat the mirror or glass in front of it.
+/// Returns the record (surface hit) of a sample that has the given path, i.e. the given sequence of bounces,
+/// and the given layer. Layer 0 holds the visible surfaces, and each further layer holds a hidden surface. A
+/// hidden layer does not repeat the mirror or glass through which it is seen. So if it has no record with
+/// this path, the record with this path in layer 0 is returned.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {
@@ -28,8 +30,9 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// Summary of those hits of a sample whose rays took the same path as that of a given hit, over the same
-/// mirrors and glass objects.
+/// Summary of some surface hits of a sample, to estimate `w_bend` for a given hit nearby. It covers the
+/// sample's hits that are seen by the same sequence of reflections and refractions as the given hit, at the
+/// same mirrors and glass objects.
 struct Seen {
     float greatest = 0;  ///< greatest `w_bend` of these records, 1/m^2
     bool any = false;    ///< there is such a record

@@ -30,8 +30,9 @@ struct EyeRays {
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
     std::vector<float> weight;         ///< transmittance of the lens for each ray; 1 if empty
-    /// Weight of each ray in the image, used only to skip reflections and refractions below
-    /// `min_contribution`. If empty, all are 1.
+    /// Weight of each ray's radiance in the image. It is used only to decide which reflections and
+    /// refractions are skipped: those that contribute less than `min_contribution` to the image. If this list
+    /// is empty, all weights are 1.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance to leave out, added as highlights; may be null
     /// Returns the raster position, px, at which the pinhole camera sees a point on the ray with index `ray`.
@@ -40,8 +41,9 @@ struct EyeRays {
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
-    /// If not empty, contains one surface point per ray. Then the only result is `left_out`, the radiance
-    /// that `less` excludes from this surface point.
+    /// If this list is not empty, it contains one surface point for each ray. Then the only valid result is
+    /// `left_out`. It contains the radiance of this surface point that `less` excludes from the traced
+    /// radiance, but not that of other surface points.
     std::vector<NodeIdentity> left_out_of;
 };
 

@@ -47,8 +47,9 @@ class FilmMotion {
         double radius;
     };
     std::vector<CameraModel> cameras_;  ///< per instant
-    /// For each object id and each later or earlier instant: the matrix that maps world positions at the
-    /// instant `from_s` to those at that instant.
+    /// The motion of each moving object, by its id. There is one matrix for each examined instant. It maps
+    /// the object's world positions at the instant `from_s`, at which the records were traced, to its world
+    /// positions at the examined instant.
     std::unordered_map<std::uint32_t, std::vector<glm::dmat4>> moving_;
     std::vector<Ball> balls_;  ///< bounding balls of the moving objects at `from_s`
     bool camera_moves_ = false, parallax_ = false;

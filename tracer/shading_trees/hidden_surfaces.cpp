@@ -68,8 +68,9 @@ class Follower {
         return c.goes_on;
     }
 
-    // Returns the distance, m, from which the ray continues after its last hit. This is just before the hit,
-    // because another surface may lie at the same distance. If the same surface was hit again, it is just
+    // Returns the distance, m, along the ray at which the search for further surfaces resumes after the last
+    // hit. It is slightly less than the distance of the hit, because another surface may lie at the same
+    // distance. But then the ray may hit the same surface again. In this case, the search resumes slightly
     // behind the hit.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
@@ -84,14 +85,18 @@ class Follower {
             return false;
         }
         meet(c, key, scene_.surface(key, e.origin, e.direction, t));
-        // If motion may reveal hidden surfaces, needs_more() is called after each hit, because the ray may
-        // end as soon as no moving object remains ahead.
+        // Decides whether the ray is continued behind this hit, to find further hidden surfaces. If surfaces
+        // that motion may reveal are sought, this is decided anew after each hit by needs_more(), because the
+        // search ends when no moving object lies ahead. Otherwise, it is decided only when a surface is
+        // added, and `goes_on` holds the decision.
         return by_motion(c) ? needs_more(c) : c.goes_on;
     }
 
   private:
-    // Adds a hit to the list of surfaces that the ray has passed. Skips hits where the ray leaves an object
-    // that it entered before, and repeated hits of the same surface.
+    // Handles one hit of a ray that is continued through all surfaces to find those hidden behind the first.
+    // Adds the hit to the surfaces that the ray has passed, which `c` describes. Two kinds of hits are
+    // skipped: a hit where the ray leaves an object that it has entered before, and a repeated hit of the
+    // same surface.
     void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const FirstHit& e = eye_[c.ray];
         const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;
@@ -108,8 +113,10 @@ class Follower {
         c.beyond = again;
         if (again) return;
         c.here.push_back({s.object, leaving});
-        // Entering and leaving are tracked for each part of an object, such as each leaf of a tree. A ray
-        // inside one leaf may meet the back of another leaf before it leaves the first.
+        // A hit where the ray leaves an object that it has entered is not a new surface. So it is tracked
+        // which objects the ray is inside of. This is done for each connected part of an object, such as each
+        // leaf of a tree, because a ray inside one leaf may meet the back of another leaf before it leaves
+        // the first.
         const std::uint32_t part =
             wanted_.parts != nullptr ? wanted_.parts->part(s.object, key.primitive) : s.object;
         const auto inside = std::find(c.entered.begin(), c.entered.end(), part);
@@ -163,8 +170,9 @@ class Follower {
         return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
     }
 
-    // Returns true if some lens point may see surface `s`. From the lens centre, other surfaces on the ray
-    // hide it.
+    // Returns true if some point of the lens may see surface `s`, which the ray hits behind other surfaces.
+    // From the lens centre, those surfaces hide `s`. From another lens point, they are shifted in the image
+    // relative to `s`, and so may reveal it.
     [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         double inverse_depth = 0;
@@ -176,8 +184,10 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // A mirror or glass shows images that may lie far behind it, and of these a lens sees more past the
-        // surfaces in front. So the mirror or glass is also tested as if it were infinitely distant.
+        // Tests whether the lens sees surface `s` past the surfaces in front. The greater the distance
+        // between them, the more the lens sees. If `s` is a mirror or glass, it shows images that may lie far
+        // behind it, and the lens may see these even if it does not see `s` by its own distance. So `s` is
+        // then also tested as if it were infinitely distant.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -193,8 +203,9 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // Returns true if motion may uncover surface `s`. A surface in front keeps hiding it if both move
-    // equally, so every one must move differently in the image.
+    // Returns true if motion may uncover surface `s`, which the ray hits behind other surfaces. A surface in
+    // front of `s` continues to hide it if both move equally in the image. So the result is true only if
+    // every surface in front moves differently from `s`.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

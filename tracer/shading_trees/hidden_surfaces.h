@@ -24,16 +24,19 @@ struct HiddenLayers {
     /// Largest number of hidden surfaces per ray that are recorded if only the lens, not motion, may reveal
     /// them.
     static constexpr int most_seen_past = 3;
-    /// A hidden surface counts as invisible if only a strip of at most this width, px, is revealed. The strip
-    /// covers at most a quarter of a pixel, i.e. about one of its samples (at least four).
+    /// The lens or motion may reveal a strip of a hidden surface beside an edge. If the strip is at most this
+    /// wide, px, the surface counts as invisible and is not recorded. Such a strip covers at most a quarter
+    /// of a pixel. This is about one of the pixel's image samples, of which there are at least four.
     static constexpr double invisible_px = 0.25;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
-    /// If not null, hidden surfaces that motion may reveal are returned, at most `most_uncovered` per ray. If
-    /// `lens` is null too, all are returned.
+    /// Predicts the motion of the camera and of objects. If not null, find_hidden_surfaces returns the hidden
+    /// surfaces that motion may reveal, at most `most_uncovered` per ray. If both `motion` and `lens` are
+    /// null, it returns all hidden surfaces.
     const FilmMotion* motion = nullptr;
-    /// If not null, hidden surfaces that a lens may see are also returned, whether it sees them directly or
-    /// in mirrors and glass.
+    /// Decides which hidden surfaces a lens may see. If not null, find_hidden_surfaces also returns these
+    /// surfaces, in addition to those that motion may reveal. The lens may see them directly, in mirrors or
+    /// through glass.
     const LensReach* lens = nullptr;
     /// The connected parts of each object, such as the leaves of a tree. Null if every object is a single
     /// part.

@@ -30,9 +30,9 @@ class LensReach {
     /// Hidden surfaces seen past an edge are recorded in a strip of pixels. It is widened by this margin, px,
     /// because edges are found only to a pixel and whole pixels are recorded.
     static constexpr double margin_px = 2.5;
-    /// A depth edge lies between two pixels if their surfaces move apart in the image when the lens point
-    /// moves from the lens centre to the rim. They must move apart by at least this fraction of the pixels'
-    /// distance.
+    /// Decides whether there is a depth edge between two pixels. When the lens point moves from the centre of
+    /// the lens to its rim, the surfaces in the two pixels move apart in the image if their depths differ.
+    /// There is an edge if they move apart by at least this fraction of the distance between the pixels.
     static constexpr double edge_slope = 0.125;
     /// Hidden surfaces are recorded only in rays with at most this number of reflections and refractions.
     /// After more bounces, they are numerous and faint.
@@ -53,13 +53,14 @@ class LensReach {
         std::uint32_t parent = 0;  ///< id of the object of the last bounce; 0 if none
         double nearest = 0;        ///< inverse depth of the first surface, 1/m
         double farthest = 0;       ///< inverse depth of the farthest surface, 1/m
-        /// Inverse depth, 1/m, at which the camera sees an infinitely distant point on the ray.
-        /// It is 0 for an eye ray. After a curved mirror it is not, because the mirror shows distant points
-        /// at a finite depth.
+        /// Inverse depth, 1/m, of the farthest surface that may lie behind these surfaces, i.e. of an
+        /// infinitely distant point on the ray. It is 0 for an eye ray. After a bounce at a curved mirror, it
+        /// is not 0, because the mirror shows distant points at a finite depth.
         double limit = 0;
     };
-    /// Returns true if some lens point may see a hidden surface of inverse depth `behind`, 1/m. `covers`
-    /// describes the surfaces in front of it on the same ray. If false, certainly no lens point sees it.
+    /// Returns true if some lens point may see a hidden surface on a ray. `behind` is the inverse depth, 1/m,
+    /// of the hidden surface, and `covers` describes the surfaces in front of it on the same ray. If the
+    /// result is false, certainly no lens point sees the hidden surface.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
     /// Returns true if the lens may see the infinitely distant background behind the surfaces that a ray
     /// crosses. `covers` describes these surfaces.
@@ -67,8 +68,9 @@ class LensReach {
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
 
-    /// Returns the inverse depth, 1/m, of a recorded point, the mean of the diagonal of its matrix W (motion
-    /// of its image over the lens). For a surface seen directly, both diagonal entries are 1 / depth.
+    /// Returns the inverse depth, 1/m, of a recorded point. The matrix `w` describes how the point's image
+    /// moves when the lens point moves. Its mean diagonal entry is the inverse depth. For a surface that is
+    /// seen directly, both diagonal entries are 1 / depth.
     [[nodiscard]] static double inverse_depth(const Mat2& w) {
         return (static_cast<double>(w.xx) + static_cast<double>(w.yy)) / 2;
     }

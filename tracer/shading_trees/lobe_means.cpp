@@ -29,8 +29,9 @@ bool overlap(const LobeHit& a, const LobeHit& b) {
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// Two hits close together use each other's rays for the mean radiance over their glossy lobes. Returns a
-// factor of the weight of such rays. It decreases to 0 at the distance `reach_px`, so that the mean changes
+// The mean radiance over the glossy lobe of a hit also uses the rays of other hits close to it, multiplied by
+// a weight. Returns a factor of this weight for the rays of hit `b` in the mean of hit `a`. It decreases with
+// the distance of the hits on the raster and is 0 at the distance `reach_px`. Therefore, the mean changes
 // continuously over the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
@@ -38,10 +39,11 @@ double window(const LobeHit& a, const LobeHit& b) {
     return share > 0 ? share * share : 0;
 }
 
-// Returns the index of the raster position `at` along a Morton curve with steps of 1/4 px. Hits sorted by
-// this index get successive points of a stratified sequence, so hits close together get well distributed
-// points.
-// 16 bits per coordinate distinguish positions within 16384 px, which is enough for a batch.
+// Returns the position of the raster position `at`, px, along a Morton curve with steps of 1/4 px. Hits are
+// sorted by this index and then take the successive points of a stratified random sequence. The curve keeps
+// neighbours together, so hits that are close together get well distributed points.
+//
+// 16 bits per coordinate distinguish positions within 16384 px, which is enough for a batch of hits.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;

@@ -26,8 +26,9 @@ struct LobeHit {
     double exponent = 1;   ///< exponent of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    /// Radiance of the hit without its glossy lobes, times the throughput. The brighter it is, the less
-    /// visible is the noise of the lobes, so they need fewer rays.
+    /// Radiance of the hit without its glossy lobes, times the throughput, i.e. the part of this radiance
+    /// that reaches the eye. The brighter this part is, the less visible is the noise of the lobes in the
+    /// image. So a brighter hit needs fewer rays.
     glm::dvec3 beside{0};
 };
 
@@ -61,8 +62,9 @@ class LobeMeans {
     /// Keeps a reference to the scene.
     LobeMeans(const RayScene& scene, const WhittedSettings& settings);
 
-    /// Sets means[i] to the mean radiance over the glossy lobe of hits[i], not multiplied by hits[i].weight.
-    /// Adds the numbers of rays to `counts`. Thread-safe.
+    /// Sets means[i] to the mean radiance that arrives at hits[i] from the directions of its glossy lobe. The
+    /// caller must multiply it by hits[i].weight, the factor of this radiance in the sample. Adds the numbers
+    /// of traced rays of each kind to `counts`. Thread-safe.
     void average(std::span<const LobeHit> hits, std::vector<glm::dvec3>& means, RayCounts& counts) const;
 
   private:

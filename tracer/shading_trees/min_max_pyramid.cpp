@@ -101,8 +101,9 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
         float promise;
     };
     if (!(radius >= 0)) return;  // not a number
-    // Squares of the pyramid that are still to be searched. There are at most 9 at first. Then one is
-    // replaced by four on each of 31 levels below: 102 in all.
+    // List of the squares of the pyramid that must still be searched. At the start, it contains at most 3 x 3
+    // squares. In each step, one square is replaced by its four squares on the level below. There are at most
+    // 31 levels below the first, so the list never contains more than 9 + 31 * 3 = 102 squares.
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): clearing it costs as much as a search
     std::array<Square, 128> open;
     std::size_t count = 0;

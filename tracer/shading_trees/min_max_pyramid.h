@@ -13,26 +13,31 @@ class MinMaxPyramid {
     /// The value at position (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// A region in which low values are searched for. A value at distance d from the position `at` is in the
-    /// region if d <= radius and the value is at most top - max(least, slope * d).
+    /// A region in which low values are searched for, around the position `at`. It contains the values at
+    /// distances d up to `radius` that are at most top - max(least, slope * d). So a value near `at` must be
+    /// below `top` by at least `least`. A distant value must be lower: below `top` by `slope` times its
+    /// distance.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
     };
-    /// The square of the pyramid at which a search for a value ended. The next search tests this square
-    /// first, because nearby searches often end in the same square. A hint from another pyramid is allowed.
+    /// A square of positions in the pyramid, at which a search for a low value ended. It can be passed to the
+    /// next search, which then tests this square first, because nearby searches often end in the same square.
+    /// A hint from the search of another pyramid is allowed, too.
     struct Hint {
         int level = 0, x = 0, y = 0;
     };
     /// Returns whether the cone contains any value.
     [[nodiscard]] bool any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool any_in(const Cone& cone) const;
-    /// Returns whether the cone contains any value. Faster than any_in for wide cones, because values up to
-    /// 9/8 of the cone's radius away may also count.
+    /// Returns true if the pyramid has a value in the region `cone`. Is faster than any_in for cones of a
+    /// large radius, but less exact: the result may also be true because of values whose distance from the
+    /// position `cone.at` is up to 9/8 of the radius.
     [[nodiscard]] bool maybe_any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
-    /// Tests only the square `hint` of the pyramid, in which an earlier search ended. If the result is true,
-    /// a full search by any_in or maybe_any_in would return true, too.
+    /// Returns true if the square `hint` of the pyramid, in which an earlier search ended, certainly has a
+    /// value in the region `cone`. Then any_in (or, for hint_maybe_in, maybe_any_in) would return true, too,
+    /// so the search can be omitted. If the result is false, the region may still contain a value elsewhere.
     [[nodiscard]] bool hint_in(const Cone& cone, const Hint& hint) const { return at_hint(cone, 0, hint); }
     [[nodiscard]] bool hint_maybe_in(const Cone& cone, const Hint& hint) const {
         return at_hint(cone, coarse_level(cone.radius), hint);
@@ -58,8 +63,9 @@ class MinMaxPyramid {
         int x_first, x_last, y_first, y_last;
     };
     [[nodiscard]] int coarse_level(double radius) const;
-    /// Returns the lowest level of the pyramid whose squares are at least `px` wide, or the highest level if
-    /// all squares are narrower.
+    /// Level k of the pyramid stores the least and the greatest value in each square of 2^k x 2^k positions.
+    /// Returns the lowest level whose squares are at least `px` wide, or the highest level if all squares are
+    /// narrower.
     [[nodiscard]] int level_of_width(double px) const;
     /// Returns the squares of the pyramid level `level` that overlap the bounding box of the circle around
     /// `at`, or the nearest squares if none do.

@@ -13,8 +13,9 @@ using glm::dvec3;
 Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
     const double m00 = glm::dot(a0, a0), m01 = glm::dot(a0, a1), m11 = glm::dot(a1, a1);
     const double det = m00 * m11 - m01 * m01;
-    // Where neighbouring rays converge, `det` is 0 and the matrix W would be infinite. So its entries are
-    // limited to 1e30, which a float can store.
+    // `det` is the determinant of the equations for the matrix W, which describes how a point's image moves
+    // when the lens point moves. Where neighbouring rays converge in one point, `det` is 0 and W would be
+    // infinite. So the entries of W are limited to 1e30, which a float can store.
     const double inverse = det > 0 ? 1 / det : 1e300;
     const auto clamped = [](double v) {
         return static_cast<float>(std::isfinite(v) ? std::clamp(v, -1e30, 1e30) : 1e30);
@@ -67,8 +68,10 @@ RayDifferentials refract(const RayDifferentials& differentials, const dvec3& dir
                          const glm::dmat3& shape_operator, double eta) {
     RayDifferentials out;
     out.point = differentials.point;
-    // Differentiates the refracted direction D' = eta D + mu N. D is `direction`, N is `normal`, mu = eta c -
-    // sqrt(k), c = -D . N and k = 1 - eta^2 (1 - c^2).
+    // Computes the derivatives of the refracted direction D' = eta D + mu N from those of the ray. D is
+    // `direction`, N is `normal`, and eta is the ratio of the refractive indices. c = -D . N is the cosine of
+    // the angle of incidence, k = 1 - eta^2 (1 - c^2) is the squared cosine of the angle of refraction, and
+    // mu = eta c - sqrt(k).
     const double c = -glm::dot(direction, normal);
     const double root = std::sqrt(1 - eta * eta * (1 - c * c));
     const double mu = eta * c - root;

@@ -20,8 +20,9 @@ struct RayDifferentials {
     std::array<glm::dvec3, 4> direction{};
 };
 
-/// Returns the derivatives of an eye ray of a perspective camera, at the ray's origin, with respect to its
-/// tangent and lens point.
+/// Returns the derivatives of the origin and direction of an eye ray of a perspective camera, at the ray's
+/// origin. They are taken with respect to the tangent of the eye ray (its direction divided by its component
+/// along the optical axis) and to the lens point, m.
 [[nodiscard]] RayDifferentials eye_differentials(const CameraModel& camera, const CameraRay& ray);
 
 /// Moves ray differentials along the ray by the distance `t`, to a hit on a surface with the normal `normal`.

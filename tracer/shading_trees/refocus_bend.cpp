@@ -19,12 +19,14 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // The steps use the derivatives of the ray through the lens centre. These derivatives are inexact for other
 // lens points, so each step reduces the error only about tenfold.
 constexpr int most_steps = 5;
-// Newton's method adjusts a ray from a lens point to reach a given surface point. It ends when a step moves
-// the ray by at most settled_px on the raster, or when the estimated error is at most settled_share of the
-// ray's departure (deviation from a linear function).
+// Newton's method changes the direction of a ray from a lens point until the ray reaches a given surface
+// point. It ends when a step moves the ray by at most settled_px on the raster. It also ends when the
+// estimated error is at most settled_share of the sought result, i.e. of the ray's deviation from the
+// direction that a linear function of the lens point predicts.
 constexpr double settled_share = 0.05, settled_px = 0.1;
-// The error that Newton's method leaves is estimated from its last step. After the first step, it is this
-// fraction of the step; later, the fraction is the ratio of the last two steps.
+// Newton's method approaches the sought ray in steps. The error that remains after a step is estimated as a
+// fraction of the length of this step. After the first step, the fraction is this constant. After each later
+// step, it is the ratio of the lengths of the last two steps.
 constexpr double first_step_leaves = 0.25;
 constexpr double straight_share = 0.5;
 
@@ -44,8 +46,9 @@ struct Probe {
     double start = 0;
     HitKey from;
     int bounces = 0, passed = 0;
-    // `hidden`: before its last bounce, the ray hit nothing or an object off its path. `lost`: it was totally
-    // reflected there, or Newton's method, which searches for the ray, diverged.
+    // `hidden` is true if the ray failed before its last bounce, because it hit nothing or an object other
+    // than the mirror or glass that comes next on its path. `lost` is true if the ray was totally reflected
+    // where it should be refracted, or if Newton's method, which searches for the ray, diverged.
     bool hidden = false, lost = false;
     [[nodiscard]] bool ended() const { return hidden || lost; }
 };
@@ -99,8 +102,9 @@ class Prober {
         ++p.bounces;
         p.lost = false;
     }
-    // Returns the change of the tangent of ray p by the next step of Newton's method. The step uses the
-    // derivatives of the ray through the lens centre instead of those of p.
+    // Returns by how much the next step of Newton's method must change the tangent (direction) of ray p, so
+    // that the ray comes closer to its target. The step uses derivatives to find this change. They are those
+    // of the ray through the lens centre, because the derivatives of p itself are not computed.
     [[nodiscard]] dvec2 correction(const Probe& p) const {
         const BentNode& n = nodes_[p.node];
         const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;
@@ -225,8 +229,10 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // `departure` is a ray's deviation from a linear function of the lens point. Only the largest of
-            // all rays to a surface point counts, so a ray ends early if its own is certainly smaller.
+            // `departure` measures how much the direction of a ray to the surface point deviates from a
+            // linear function of the lens point. The result for the point is the largest departure of all its
+            // rays. So the search for a ray ends early if its departure is certainly smaller than that of
+            // another ray.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);

@@ -21,10 +21,10 @@ struct Bounces {
     bool flat = true;  ///< all bounces are reflections at flat surfaces, for which W is exact
 };
 
-/// A surface hit seen in a mirror or through glass. When the lens point moves, its image moves nonlinearly,
-/// by `w_bend`.
-/// To measure it, rays from other lens points are sought that bounce at the same objects and reach the same
-/// point, `target`.
+/// A surface hit that is seen in a mirror or through glass. When the lens point moves by q, its image moves
+/// almost linearly. `w_bend` is the error of the linear prediction, divided by |q|^2, in 1/m^2. To measure
+/// it, rays from other lens points are sought that bounce at the same objects and reach the same point,
+/// `target`.
 struct BentNode {
     std::uint32_t node = 0;  ///< index for the caller's use
     NodePath path;

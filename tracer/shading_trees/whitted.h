@@ -24,8 +24,10 @@ struct WhittedSettings {
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
-    /// Radius of the lens, m. The record of a glossy surface contains the mean radiance over a lobe only if
-    /// the lobe is wider than the lens, seen from the surface. If 0, all lobes are averaged.
+    /// Radius of the lens, m. A glossy surface reflects or refracts light into a lobe of directions. If the
+    /// lobe is wider than the lens, as seen from the surface, every lens point sees about the same mean
+    /// radiance over the lobe. Then this mean becomes part of the surface's record. Otherwise, the lobe is
+    /// treated like a sharp mirror or glass. If the radius is 0, the means over all lobes are recorded.
     double lens_radius_m = 0;
     /// False for callers that need only positions. Radiances are then undefined.
     bool lit = true;
@@ -78,9 +80,9 @@ struct TracedSamples {
     std::vector<glm::vec3> noisy;
     /// One entry per record. Empty without textures, lights and WhittedSettings::parts.
     std::vector<ColourSource> sources;
-    /// For each record, the reflected or refracted ray that hit the surface; default values if an eye ray
-    /// did. Serves to find images of bright objects in mirrors and glass. Empty if the scene has no mirrors
-    /// and glass, or nothing brighter than white.
+    /// For each record, the reflected or refracted ray that hit its surface. If an eye ray hit it, the entry
+    /// has default values. The entries are used to find images of small bright objects in mirrors and glass.
+    /// The list is empty if the scene has no mirrors and glass, or nothing brighter than white.
     std::vector<Arrival> arrivals;
 };
 
@@ -96,19 +98,22 @@ class WhittedTracer {
     WhittedTracer(WhittedTracer&&) = delete;
     WhittedTracer& operator=(WhittedTracer&&) = delete;
 
-    /// Traces eye rays through raster positions, px. Thread-safe. Fastest if 16 successive positions are
-    /// close together.
-    /// - `around(i)`: returns earlier samples near positions[i]. Reusing their `w_bend` saves the rays that
-    ///   measure it.
+    /// Traces eye rays through raster positions, px, with all their reflections and refractions. Thread-safe.
+    /// Is fastest if 16 successive positions are close together.
+    /// - `around(i)`: returns earlier samples near positions[i]. Each of their records has a `w_bend`, which
+    ///   tells how nonlinearly its image moves when the lens point moves. Additional rays measure it, and
+    ///   reusing it saves these rays.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
     /// Like `trace`, but computes only the visible surfaces and their radiance without sampling noise. These
-    /// decide whether a quadtree cell is subdivided.
-    /// Does not find hidden surfaces, average glossy lobes or measure `w_bend` (how nonlinearly an image
-    /// moves with the lens point).
+    /// decide whether a quadtree cell is subdivided. Does not find hidden surfaces or average glossy lobes.
+    /// Does not measure `w_bend` either, i.e. how nonlinearly the mirror image of a surface moves when the
+    /// lens point moves.
     void trace_steady(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
-    /// When the lens point moves, an image may deviate from linear motion. To save rays, a deviation of at
-    /// most this, px, is taken from neighbouring samples. A greater one is taken only if these samples agree.
+    /// The image of a surface in a mirror or in glass moves nonlinearly when the lens point moves. Additional
+    /// rays measure its deviation from linear motion. To save these rays, the deviation is taken from
+    /// neighbouring samples if it is at most this value, px. A greater deviation is taken only if the samples
+    /// agree about it; otherwise, it is measured.
     static constexpr double little_bend_px = 0.125;
 
     /// Returns true if a material reflects or transmits, so that rays may continue after their first hit.

@@ -1,5 +1,6 @@
-// Shades hidden surfaces behind the hits of eye rays and of reflected and refracted rays.
-// Each hidden surface becomes the root of its own shading tree.
+// Shades hidden surfaces, which lie behind the first hits of eye rays and of reflected and refracted rays. A
+// shading tree contains a surface and all surfaces that are seen in it by reflection or refraction. Each
+// hidden surface becomes the root of a shading tree of its own.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

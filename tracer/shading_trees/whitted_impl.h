@@ -89,8 +89,10 @@ struct WhittedTracer::Impl {
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
-        // Surface hits whose radiance is the mean of several rays: rays into a glossy lobe (`lobes`) or to
-        // points of an area light (`extents`).
+        // Surface points whose radiance contains the mean of several random rays. `lobes` lists the points of
+        // glossy surfaces, from which rays are sent into the lobe of reflection or refraction. `extents`
+        // lists the points that are lit by an area light, from which shadow rays are sent to several points
+        // of the light.
         std::vector<LobeHit> lobes;
         std::vector<LobeTarget> lobe_targets;
         std::vector<glm::dvec3> lobe_means;
@@ -122,16 +124,19 @@ struct WhittedTracer::Impl {
     void generation(Workspace& w, RayCounts& counts) const;
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
-    // Stores the hit of a reflected or refracted ray for the later search for hidden surfaces behind it.
-    // Skips the hit if no lens point can see behind it. Also skips it if the ray leaves glass there, because
-    // the ray transmitted there finds the surfaces behind.
+    // Stores the surface hit of a reflected or refracted ray, so that surfaces hidden behind this hit can be
+    // searched for later. Skips the hit if no lens point can see a surface behind it. Also skips it if the
+    // ray leaves a glass object at this hit, because the transmitted ray finds the surfaces behind the glass
+    // anyway.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
-    // Finds the hidden surfaces that a lens sees in mirrors or through glass. Each gets a layer of records of
-    // its own, which does not repeat the mirror or glass.
+    // Finds the hidden surfaces that a lens sees in mirrors or through glass. The records of each such
+    // surface form a new layer of the sample. This layer contains the hidden surface and what is seen in it,
+    // but not another record of the mirror or glass that shows it.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
-    // Shades a hidden surface as if nothing were in front of it, as other lens points or instants see it. The
-    // surface becomes the root of a new shading tree.
+    // Shades the hidden surface that the ray `first` hits at `h`. It is shaded as if nothing were in front of
+    // it, because other lens points or instants see it unobstructed. The surface becomes the root of a new
+    // shading tree, which contains all surfaces seen in it by reflection or refraction.
     void root(const FirstHit& first, const HiddenHit& h, PathRay& ray, Workspace& w, RayCounts& counts) const;
     [[nodiscard]] Node& add_node(const PathRay& ray, Workspace& w) const;
     void miss(const PathRay& ray, Workspace& w) const;
@@ -157,8 +162,9 @@ struct WhittedTracer::Impl {
     // `s` is null if the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // `w.bent` lists the surface points for which `w_bend` (Record) must be measured by rays. Estimates it
-    // from earlier samples nearby, and removes the points that have an estimate, to save rays.
+    // `w.bent` lists the surface points for which `w_bend` must be found, i.e. how nonlinearly their images
+    // move when the lens point moves. For some of these points, this function estimates `w_bend` from earlier
+    // samples nearby, and removes the points from the list. So fewer rays are needed to measure the rest.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
     // Converts the surface hits, ordered by number of bounces, to records, ordered by sample, layer (visible
     // or hidden surface) and path.
