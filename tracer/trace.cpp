@@ -198,8 +198,9 @@ std::vector<double> instants_near(const SceneMotion& motion, double at_s,
 std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
     constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
     constexpr std::uint64_t rows_of_records = 32;
-    // LensReach stores the inverse depth of each pixel, a float, and a pyramid of minima and maxima in
-    // squares of 1, 2 x 2, 4 x 4, ... pixels. The pyramid has 4/3 squares per pixel, with two floats each.
+    // Memory per pixel of LensReach, which decides what the lens may see. It stores the inverse depth of each
+    // pixel, a float. It also stores a pyramid of minima and maxima in squares of 1, 2 x 2, 4 x 4, ...
+    // pixels. The pyramid has 4/3 squares per pixel, with two floats each.
     constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;
     const auto width = static_cast<std::uint64_t>(camera.width),
                height = static_cast<std::uint64_t>(camera.height);

@@ -21,8 +21,9 @@ struct TraceSettings {
     std::string camera_name;       ///< if empty, the first camera of the scene
     std::optional<double> time_s;  ///< if absent, the scene's default instant
     SubdivisionSettings subdivision{.levels = 2};
-    /// With a lens (`for_f_number`), pixels at object edges are divided at least `lens_levels` times. Then
-    /// `subdivision.levels` limits only the division of pixels with contrast.
+    /// If a lens is given (`for_f_number`) and this is true, pixels at the edges of objects are divided at
+    /// least `lens_levels` times. Then `subdivision.levels`, the depth of the pixels' quadtrees, limits only
+    /// the division of pixels with contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
     /// The depth of the quadtree of each pixel (`subdivision.levels`) for methods that also trace rays when
@@ -35,8 +36,9 @@ struct TraceSettings {
     /// a strip of a ball's surface that turns into view. The strip is only 0.9 % of the ball's radius wide (1
     /// - cos 7.5 degrees).
     double degrees_per_key = 15;
-    /// Used as `degrees_per_key`, the turn between recorded instants, for methods that also trace rays. Rays
-    /// show surfaces that the records lack, so fewer recorded instants suffice.
+    /// Largest turn, degrees, between two recorded instants (`degrees_per_key`), for methods that also trace
+    /// rays when they make the image. These rays show surfaces that the records lack, so fewer recorded
+    /// instants suffice for them.
     static constexpr double ray_degrees_per_key = 30;
     /// Target PSNR, dB, for the error that arises because the light changes between recorded instants. It
     /// determines the number of these instants if `keys` is absent. The default target of `auto` for the
@@ -48,7 +50,9 @@ struct TraceSettings {
     /// the error of linear interpolation between them is about four times as large, i.e. 12 dB. So about half
     /// as many instants suffice.
     static constexpr double ray_light_db = 31;
-    /// A hidden surface is not recorded if the lens or motion reveals only strips of it up to this width, px.
+    /// Largest width, px, of strips of hidden surfaces that are not recorded. The lens or motion may reveal a
+    /// hidden surface beside the edge of an object. If it reveals only strips of at most this width, the
+    /// surface is not recorded.
     double narrow_strip_px = HiddenLayers::invisible_px;
     /// Largest width, px, of strips of hidden surfaces that are not recorded (`narrow_strip_px`), for methods
     /// that also trace rays when they make the image. The lens or motion reveals such strips beside the edges
@@ -67,14 +71,15 @@ struct TraceSettings {
     std::optional<double> for_f_number;
     std::optional<double> for_focus_m;
     std::optional<TimeSpan> for_shutter;
-    /// Number of hidden surfaces recorded behind every visible one, 0 to 16. If absent, only those that
-    /// `for_shutter` or `for_f_number` may reveal.
+    /// Number of hidden surfaces, 0 to 16, that are recorded behind every visible surface. If it is absent,
+    /// only those hidden surfaces are recorded that the shutter `for_shutter` or the lens `for_f_number` may
+    /// reveal.
     std::optional<int> hidden_layers;
     bool hidden_auto =
         false;  ///< `hidden_layers` is absent on purpose; requires `for_shutter` or `for_f_number`
-    /// Number of evenly spaced instants of `for_shutter` that are recorded, 1 to 64. With 1, only the frame's
-    /// own instant, `time_s`, is recorded. If absent, the number is chosen from the motion and the changing
-    /// light.
+    /// Number of recorded instants, 1 to 64. They are evenly spaced over the interval `for_shutter`. If the
+    /// number is 1, only the frame's own instant, `time_s`, is recorded. If it is absent, it is chosen from
+    /// the motion and the changes of the light.
     std::optional<int> keys = 1;
     /// Automatic exposure, in stops, to write to the file (tracer/exposure.h). If absent, none is written.
     std::optional<double> auto_exposure_stops;
@@ -91,9 +96,9 @@ struct TraceResult {
     std::uint64_t records = 0;
     std::uint64_t bytes = 0;
     RayCounts rays;
-    /// Number of objects that eye rays may miss. They are narrower than the smallest quadtree cells, or the
-    /// limited number of cells does not suffice for them.
-    /// Without subdivision, counts all objects narrower than 1.5 px.
+    /// Number of objects that eye rays may miss. Such objects are narrower than the smallest quadtree cells,
+    /// or the limited number of cells does not suffice for them. If pixels are not subdivided, all objects
+    /// narrower than 1.5 px are counted.
     std::uint64_t too_narrow_objects = 0;
     int overscan_px = 0;
     int keys = 1;                    ///< number of evenly spaced recorded instants
@@ -105,8 +110,9 @@ struct TraceResult {
     std::string keys_reason;
 };
 
-/// Throws Error(out_of_memory), which states the needed size, if a trace certainly needs more memory than
-/// available. trace_to_file repeats this check when it knows the overscan, whose records need memory too.
+/// Throws Error(out_of_memory), which states the needed size, if a trace certainly needs more memory than is
+/// available. The overscan (the traced border around the frame) also needs memory, but its width may not be
+/// known yet. So trace_to_file repeats this check when it knows the width.
 void require_trace_memory(const Scene& scene, const TraceSettings& settings,
                           const std::filesystem::path& path);
 
@@ -114,8 +120,9 @@ void require_trace_memory(const Scene& scene, const TraceSettings& settings,
 /// The scene's exposure is stored separately from the radiance. Throws Error.
 TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked, const std::filesystem::path& path);
 
-/// Returns the header of a sample file whose records show only one instant, that of the frame, instead of
-/// several instants of the shutter interval.
+/// Returns the header of a sample file that records a single instant, `time_s`, which is that of the frame.
+/// (A file may also record several instants of the shutter interval.) `overscan_px` is the width of the
+/// traced border around the frame.
 [[nodiscard]] SampleHeader sample_header(const Scene& scene, const TraceSettings& settings,
                                          const CameraModel& camera, double time_s, int overscan_px);
 

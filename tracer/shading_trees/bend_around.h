@@ -1,5 +1,6 @@
-// Estimates `w_bend`, the error of the assumption that a mirror image moves linearly with the lens point.
-// Uses nearby samples, so that no additional rays are needed.
+// Estimates `w_bend`, which tells how nonlinearly the image of a surface in a mirror or in glass moves when
+// the lens point moves. The estimate is taken from the records of nearby samples, so that no additional rays
+// are needed to measure it.
 #pragma once
 
 #include <array>

@@ -27,8 +27,9 @@ struct Shadow {
     dvec3 radiance{0};
 };
 
-/// A surface hit whose radiance is limited to LightElsewhere::above. Several light sources contribute, and
-/// the limit applies to their sum, so `radiance` first collects this sum.
+/// A surface hit whose radiance is limited to the value LightElsewhere::above. Several light sources
+/// contribute to this radiance, and the limit applies to their sum. So `radiance` first collects the sum, and
+/// the limit is applied afterwards.
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};

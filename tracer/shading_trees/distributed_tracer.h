@@ -35,8 +35,8 @@ struct EyeRays {
     /// is empty, all weights are 1.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance to leave out, added as highlights; may be null
-    /// Returns the raster position, px, at which the pinhole camera sees a point on the ray with index `ray`.
-    /// The point is at the distance `t`, m, along the ray.
+    /// Returns the raster position, px, at which the pinhole camera sees a point on the ray with the index
+    /// `ray`. The point lies at the distance `t`, m, from the ray's origin.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.

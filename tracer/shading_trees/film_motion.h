@@ -28,8 +28,10 @@ class FilmMotion {
     /// `point` is the point's world position, m, at the instant `from_s`.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// Returns the raster position, px, at which the infinitely distant background in `direction` appears at
-    /// instant i. For an orthographic camera, this is `at`, the raster position of the ray in this direction.
+    /// Returns the raster position, px, at which the camera sees the infinitely distant background in the
+    /// direction `direction` at instant number i. An orthographic camera sees the same direction at every
+    /// raster position. So for it, the result is `at`, the raster position of the ray that found the
+    /// background.
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 

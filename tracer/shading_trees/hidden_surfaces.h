@@ -18,8 +18,8 @@ namespace postlens {
 /// Which hidden surfaces find_hidden_surfaces returns.
 struct HiddenLayers {
     static constexpr int most = 16;
-    /// Largest number of hidden surfaces per eye ray that are recorded because motion may reveal them. More
-    /// than this number are rarely visible.
+    /// Largest number of hidden surfaces per eye ray that are recorded because motion may reveal them.
+    /// Further surfaces lie behind all of these, so they are rarely visible.
     static constexpr int most_uncovered = 4;
     /// Largest number of hidden surfaces per ray that are recorded if only the lens, not motion, may reveal
     /// them.
@@ -58,8 +58,9 @@ struct FirstHit {
     std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0 if none
     RayDifferentials differentials;  ///< at the origin of the ray; set only after a bounce
 
-    /// Returns the inverse depth, 1/m, at which infinitely distant points appear. It is 0, except in a curved
-    /// mirror, which shows distant points at a finite depth.
+    /// Returns the inverse depth, 1/m, at which the camera sees infinitely distant points along this ray. It
+    /// is 0 for an eye ray. After a bounce at a curved mirror, it is not 0, because the mirror shows distant
+    /// points at a finite depth.
     [[nodiscard]] double inverse_depth_limit() const;
 };
 
@@ -72,9 +73,10 @@ struct HiddenHit {
     SurfacePoint surface;     ///< t is measured from the ray's origin
 };
 
-/// Finds the surfaces hidden behind the first hits `eye`, and sorts them by ray and then by layer.
-/// The background behind the last surface is added with the key `none` if it may be visible.
-/// Adds the number of traced rays to `rays_spent`. Thread-safe and deterministic.
+/// Finds the surfaces that are hidden behind the first hits `eye`, and sorts them by ray and then by layer,
+/// i.e. by the number of surfaces in front. The background behind the last surface may be visible, too. Then
+/// it is added as a hit with the key `none`. Adds the number of traced rays to `rays_spent`. Thread-safe and
+/// deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
                           std::vector<HiddenHit>& out, std::uint64_t& rays_spent);
 

@@ -27,8 +27,9 @@ namespace postlens {
 /// The inverse depth of a node is half the trace of W. For a surface seen directly, it is 1 / depth.
 class LensReach {
   public:
-    /// Hidden surfaces seen past an edge are recorded in a strip of pixels. It is widened by this margin, px,
-    /// because edges are found only to a pixel and whole pixels are recorded.
+    /// Hidden surfaces that the lens sees past an edge are recorded in a strip of pixels beside the edge. The
+    /// strip is widened by this margin, px, because the edge is known only to a pixel and only whole pixels
+    /// are recorded.
     static constexpr double margin_px = 2.5;
     /// Decides whether there is a depth edge between two pixels. When the lens point moves from the centre of
     /// the lens to its rim, the surfaces in the two pixels move apart in the image if their depths differ.
@@ -38,11 +39,12 @@ class LensReach {
     /// After more bounces, they are numerous and faint.
     static constexpr int most_bounces = 2;
 
-    /// Finds the depths of the visible surfaces by one ray from the lens centre per pixel of [x_begin, x_end)
-    /// x [y_begin, y_end). Only for perspective cameras.
-    /// - `aperture_radius_m`: greater than 0
-    /// - `same_place_px`: surfaces that move apart by less than this, px, from lens centre to rim count as
-    ///   equally deep
+    /// Finds the depths of the visible surfaces. One ray from the lens centre is traced for each pixel of the
+    /// columns x_begin to x_end - 1 and the rows y_begin to y_end - 1. The camera must be a perspective
+    /// camera.
+    /// - `aperture_radius_m`: radius of the lens; greater than 0
+    /// - `same_place_px`: when the lens point moves from the centre to the rim, two surfaces move apart in
+    ///   the image. If they do so by less than this, px, they count as equally deep.
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
               double same_place_px, int x_begin, int x_end, int y_begin, int y_end);
 

@@ -18,12 +18,13 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
-// The mean over a glossy lobe also uses rays of neighbouring surface hits. The weight of such a ray is
-// limited to this value, because high weights cause noise.
+// Upper limit of the weight of a ray. The mean over the glossy lobe of a surface hit also uses the rays of
+// neighbouring hits, each with a weight. High weights cause noise, so they are limited.
 constexpr double most_weight = 8;
 
-// True if two surface hits may share rays to average over their glossy lobes.
-// The axes of the lobes must differ by less than the width of the wider lobe.
+// Returns true if the glossy lobes of two surface hits overlap so much that the hits may share rays to
+// compute the mean radiance over their lobes. The axes of the lobes must differ by less than the width of the
+// wider lobe.
 bool overlap(const LobeHit& a, const LobeHit& b) {
     const double width2 = 1 / std::max(1.0, std::min(a.exponent, b.exponent));
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
@@ -121,8 +122,9 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// A batch of rays is traced with one limit `nodes_left`, the number of surfaces that each ray may still hit.
-// So `rays` must be sorted by `nodes_left`.
+// Traces `rays` from index `first` on, in batches. A batch has a single limit for the number of surfaces that
+// each ray may still hit, the hits' `nodes_left`. So `rays` must be sorted by `nodes_left`, and each batch
+// contains the rays with the same limit.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;

@@ -1,6 +1,6 @@
-// Computes the mean radiance over wide glossy lobes. Neighbouring samples share rays.
-// The mean is almost the same from every lens point, so it becomes part of the radiance in the record of the
-// glossy surface.
+// Computes the mean of the radiance that a glossy surface receives from a wide lobe of directions.
+// Neighbouring samples share rays for it. The mean is almost the same from every lens point. Therefore, it
+// becomes part of the radiance in the record of the glossy surface.
 #pragma once
 
 #include <cstdint>
@@ -78,9 +78,10 @@ class LobeMeans {
     std::vector<double> bound_;  ///< for each number of nodes left, an upper bound of the radiance of a ray
 };
 
-/// Returns the density of a glossy lobe in a unit direction, relative to that of cos^exponent on its axis.
-/// Directions that point into the surface are mirrored to the front, so their density is 0 and that of their
-/// mirror directions is greater.
+/// Returns the density of the glossy lobe of `hit` in the unit direction `direction`. It is relative to the
+/// density of the lobe cos^exponent on its axis. Random directions that point into the surface are mirrored
+/// to the front. Therefore, the density is 0 in such directions, and it is greater in their mirror
+/// directions.
 [[nodiscard]] double folded_lobe(const LobeHit& hit, const glm::dvec3& direction);
 
 }  // namespace postlens

@@ -59,8 +59,8 @@ MinMaxPyramid::MinMaxPyramid(int x_begin, int y_begin, int width, int height,
     }
 }
 
-// Returns the highest (coarsest) level of the pyramid whose squares have a diagonal of at most an eighth of
-// the search radius.
+// Level k of the pyramid consists of squares of 2^k x 2^k positions. Returns the highest (coarsest) level
+// whose squares have a diagonal of at most an eighth of the search radius `radius`.
 int MinMaxPyramid::coarse_level(double radius) const {
     const int highest = static_cast<int>(levels_.size()) - 1;
     int level = 0;
@@ -127,9 +127,9 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
             if (open[i].promise > open[count - 1].promise) std::swap(open[i], open[count - 1]);
         return true;
     };
-    // The search starts at the first pyramid level whose squares are at least as wide as the search radius,
-    // so at most 3 x 3 squares overlap the search circle. Most circles are small, so a start at the top of
-    // the pyramid would take longer.
+    // Level on which the search starts: the first one whose squares are at least as wide as the search
+    // radius, so that the search circle overlaps at most 3 x 3 squares. Most circles are small, so a search
+    // from the top of the pyramid down to this level would take longer.
     const int top = level_of_width(radius);
     const Squares around = squares_around(at, radius, top);
     bool going = meet(top, around.x_first, around.x_last, around.y_first, around.y_last);

@@ -44,11 +44,12 @@ class MinMaxPyramid {
     }
     /// Returns the least of all values, or infinity if there are no values.
     [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
-    /// Returns the greatest value of the pyramid at distances up to `radius`, px, from `at`, or `floor` if
-    /// all these values are less. May include values up to 9/8 of the radius away.
+    /// Returns the greatest value at distances up to `radius` from the position `at`. If all these values are
+    /// less than `floor`, returns `floor`. Values at distances up to 9/8 of the radius may also be included,
+    /// because only squares of the pyramid are tested, not single values.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
-    /// Returns an upper bound of greatest(at, radius, floor), the greatest value near `at`. It is faster to
-    /// compute, because only a few squares of the pyramid are read.
+    /// Returns a value that greatest(at, radius, floor), the greatest value near `at`, certainly does not
+    /// exceed. This upper bound is faster to compute, because only a few squares of the pyramid are read.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;
 
   private:
@@ -67,8 +68,9 @@ class MinMaxPyramid {
     /// Returns the lowest level whose squares are at least `px` wide, or the highest level if all squares are
     /// narrower.
     [[nodiscard]] int level_of_width(double px) const;
-    /// Returns the squares of the pyramid level `level` that overlap the bounding box of the circle around
-    /// `at`, or the nearest squares if none do.
+    /// Returns the columns and rows of the squares, on the pyramid level `level`, that overlap the bounding
+    /// box of the circle of radius `radius` around `at`. If the box lies outside the pyramid, returns the
+    /// nearest squares.
     [[nodiscard]] Squares squares_around(const glm::dvec2& at, double radius, int level) const;
     [[nodiscard]] bool any_in(const Cone& cone, int level, Hint& hint) const;
     [[nodiscard]] bool at_hint(const Cone& cone, int level, const Hint& hint) const;

@@ -8,8 +8,8 @@ namespace {
 
 using glm::dvec3;
 
-// Solves A W = B for the 2 x 2 matrix W. A has the columns a0 and a1, and B has the columns b0 and b1.
-// All columns lie in one plane, so the least-squares solution is exact.
+// Solves the equation A W = B for the 2 x 2 matrix W by least squares. The columns of A are the vectors a0
+// and a1, and those of B are b0 and b1. All four vectors lie in one plane, so the solution is exact.
 Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
     const double m00 = glm::dot(a0, a0), m01 = glm::dot(a0, a1), m11 = glm::dot(a1, a1);
     const double det = m00 * m11 - m01 * m01;
@@ -30,8 +30,9 @@ Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
 
 RayDifferentials eye_differentials(const CameraModel& camera, const CameraRay& ray) {
     RayDifferentials out;
-    // Derivative of the direction D = v / |v| for a derivative dv of v = forward + p_x right + p_y down:
-    // (dv - D (D . dv)) / |v|, where 1 / |v| is cos_axis.
+    // An eye ray with the tangent (p_x, p_y) has the direction D = v / |v|, where v = forward + p_x right +
+    // p_y down. `across` returns the derivative of D for a given derivative dv of v: (dv - D (D . dv)) / |v|.
+    // Here, 1 / |v| is `cos_axis`, the cosine of the angle to the optical axis.
     const auto across = [&](const dvec3& dv) {
         return (dv - ray.direction * glm::dot(ray.direction, dv)) * ray.cos_axis;
     };

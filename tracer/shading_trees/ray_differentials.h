@@ -41,11 +41,10 @@ void transfer(RayDifferentials& differentials, const glm::dvec3& direction, doub
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator,
                                        double eta);
 
-/// Returns the matrix W, 1/m. If the lens point moves by q, the eye ray to the same hit changes its tangent
-/// by -W q, to first order.
-/// W = (dX/dp)^-1 dX/dq, along the raster's axes:
+/// Returns the matrix W, 1/m, of the point that a ray hits. If the lens point moves by q, the eye ray to this
+/// point changes its tangent by -W q, to first order. W = (dX/dp)^-1 dX/dq, along the raster's axes:
 /// - X: point that the ray hits
-/// - p: tangent of the eye ray's angle to the optical axis
+/// - p: tangent of the eye ray, i.e. its direction divided by its component along the optical axis
 /// - q: lens point, m
 ///
 /// Where neighbouring eye rays converge in one point, dX/dp has almost no inverse. The entries of W are then

@@ -15,9 +15,9 @@ using glm::dvec3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Largest number of Newton steps to find the ray from a lens point to a given surface point.
-// The steps use the derivatives of the ray through the lens centre. These derivatives are inexact for other
-// lens points, so each step reduces the error only about tenfold.
+// Largest number of steps of Newton's method to find the ray from a lens point that reaches a given surface
+// point. The steps use the derivatives of the ray through the lens centre. For other lens points, these
+// derivatives are inexact, so each step reduces the error only about tenfold.
 constexpr int most_steps = 5;
 // Newton's method changes the direction of a ray from a lens point until the ray reaches a given surface
 // point. It ends when a step moves the ray by at most settled_px on the raster. It also ends when the
@@ -204,8 +204,8 @@ void Search::correct(const Prober& prober, bool first_step) {
     for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
     for (const std::uint32_t i : open) {
         Probe& p = probes[i];
-        // A lost ray does not reach its surface point. Then `w_bend`, the result for this point, is infinite,
-        // and all further rays to the point are skipped.
+        // No ray from this lens point that reaches the surface point was found (`lost`). In this case, the
+        // result for the surface point, `w_bend`, is infinite. So all further rays to this point are skipped.
         if (p.lost) ended[p.node] = true;
         if (p.ended()) continue;
         const dvec2 change = prober.correction(p);
@@ -258,9 +258,10 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // A ray's departure, its deviation from a linear function of the lens point, is of second order. So the
-    // ray from the opposite lens point has almost the same departure. If it is small, no opposite ray is
-    // traced.
+    // A ray's departure is the deviation of its direction from a linear function of the lens point. It is
+    // mainly of second order, so the ray from the opposite lens point has almost the same departure. So rays
+    // from the opposite lens points are traced only for surface points with a larger departure, which are not
+    // `straight`.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
@@ -276,8 +277,9 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // A negative `bend` means that no ray from the lens reached the surface point. Then `bend` is unknown,
-    // which infinity stands for.
+    // Each element of `out` is the result `w_bend` for one surface point. A negative element means that the
+    // rays from all lens points were obstructed before their last bounce, so that the result is unknown. It
+    // is set to infinity, which stands for an unknown value.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

@@ -34,8 +34,8 @@ struct BentNode {
     glm::dvec3 target{0};      ///< end of the path, world
     glm::dvec3 direction{0};   ///< direction of the path's last ray, unit length
     glm::dvec2 tangent{0};     ///< tangent of the eye ray, along the raster's axes
-    /// Derivatives of the hit's world position with respect to `tangent`, i.e. to the slopes x / z and y / z
-    /// of the eye ray that leads to the hit.
+    /// Derivatives of the hit's world position, in m, with respect to `tangent`. The tangent consists of the
+    /// slopes x / z and y / z of the eye ray that leads to the hit, where z is along the optical axis.
     std::array<glm::dvec3, 2> by_tangent{};
     Mat2 w;
 };

@@ -34,10 +34,11 @@ struct WhittedSettings {
     const ObjectParts* parts = nullptr;  ///< parts to record in ColourSource::part; may be null
 };
 
-/// Numbers of traced rays, in the categories of the Standard Procedural Databases.
-/// `hidden` counts rays that continue behind a surface, to find hidden surfaces.
-/// `lens` counts rays from lens points other than the centre, which measure how nonlinearly an image moves
-/// when the lens point moves (`w_bend`).
+/// Numbers of traced rays, by kind of ray. The kinds are those of the Standard Procedural Databases, and two
+/// more:
+/// - `hidden`: rays that continue behind a surface, to find hidden surfaces
+/// - `lens`: rays from lens points other than the centre. They measure `w_bend`, i.e. how nonlinearly a
+///   mirror image moves when the lens point moves.
 struct RayCounts {
     std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0, hidden = 0, lens = 0;
     RayCounts& operator+=(const RayCounts& o) {
@@ -52,8 +53,9 @@ struct RayCounts {
     }
 };
 
-/// The last ray of a path with at least one reflection or refraction. Small bright objects in mirrors and
-/// glass are searched for between such rays from the corners of a quadtree cell.
+/// The last ray of a path that contains at least one reflection or refraction, i.e. the ray that arrives at a
+/// surface seen in a mirror or in glass. To find the images of small bright objects there, such objects are
+/// searched for between the rays that arrive from the four corners of a quadtree cell.
 struct Arrival {
     glm::vec3 from{0}, direction{0};  ///< m; the direction has unit length
     float length = 0;                 ///< m; infinity if it hits nothing
@@ -61,8 +63,9 @@ struct Arrival {
     std::uint32_t parent = 0;         ///< id of the object that reflected or transmitted the ray
 };
 
-/// What determines the colour of a surface point: texture, shadows and part of the object.
-/// A quadtree cell is subdivided if one of them differs between its corners, even if the colours are equal.
+/// The causes of the colour of a surface point: its texture, the shadows on it, and the part of the object to
+/// which it belongs. A quadtree cell is subdivided if one of these causes differs between the cell's corners,
+/// even if the colours are equal.
 struct ColourSource {
     const Texture* texture = nullptr;  ///< colour texture, or else emission texture; may be null
     glm::vec3 place{0};                ///< texture position of the node (Texture::place)
@@ -70,13 +73,14 @@ struct ColourSource {
     std::uint32_t part = 0;            ///< part of the object (ObjectParts); 0 without WhittedSettings::parts
 };
 
-/// The surfaces recorded for a batch of samples. Sample i has the records [offsets[i], offsets[i + 1]).
-/// They are sorted by layer (0 is visible) and then by path (sequence of bounces).
+/// The surfaces that are recorded for a batch of samples (eye rays). The records of sample i have the indices
+/// offsets[i] to offsets[i + 1] - 1. They are sorted by layer, where 0 is the visible one, and then by path,
+/// i.e. the sequence of bounces that leads to the surface.
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
-    /// For each record (shaded surface hit), the noisy part of its radiance, which random rays into glossy
-    /// lobes and to area lights give. Empty if no record is noisy.
+    /// For each record (shaded surface hit), the part of its radiance that has noise, because it was computed
+    /// with random rays into glossy lobes or to area lights. The list is empty if no record has noise.
     std::vector<glm::vec3> noisy;
     /// One entry per record. Empty without textures, lights and WhittedSettings::parts.
     std::vector<ColourSource> sources;
@@ -88,8 +92,9 @@ struct TracedSamples {
 
 class WhittedTracer {
   public:
-    /// Keeps references to `scene`, `camera` and all objects to which `settings` and `hidden` point.
-    /// Hidden surfaces are shaded as if nothing were in front of them.
+    /// The tracer keeps references to `scene`, `camera` and all objects to which `settings` and `hidden`
+    /// point, so these must exist as long as the tracer. Hidden surfaces are shaded as if nothing were in
+    /// front of them.
     WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings,
                   const HiddenLayers& hidden = {});
     ~WhittedTracer();

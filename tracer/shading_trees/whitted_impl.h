@@ -56,8 +56,8 @@ struct WhittedTracer::Impl {
         glm::dvec3 share{0}, throughput{1};
     };
 
-    // An array whose items are reused. The caller fills in the item that add() returns, because copying
-    // finished items took longer than shading.
+    // An array whose items are reused for the next batch. add() returns a new item, and the caller sets its
+    // members in place. Filling in a separate item and copying it took longer than the shading itself.
     template <typename T>
     struct Pool {
         std::vector<T> items;
@@ -117,9 +117,10 @@ struct WhittedTracer::Impl {
     std::vector<double> bound;  // for each number of nodes left, an upper bound of the radiance of a subtree
 
     [[nodiscard]] Workspace& workspace(std::span<const glm::dvec2> positions) const;
-    // start() makes the eye rays. The first call of generation() traces them, and each further call traces
-    // the rays after one more bounce. If `with_hidden` is true, the first hits are stored for the later
-    // search for hidden surfaces.
+    // Traces all rays of a batch, by number of bounces. start() makes the eye rays. The first call of
+    // generation() traces them, and each further call traces the reflected and refracted rays of the hits
+    // before. If `with_hidden` is true, the first hits are stored, so that the surfaces hidden behind them
+    // can be searched for later.
     void start(Workspace& w, bool with_hidden) const;
     void generation(Workspace& w, RayCounts& counts) const;
     void begin_generation(Workspace& w) const;
@@ -157,17 +158,18 @@ struct WhittedTracer::Impl {
     void average_extents(Workspace& w, RayCounts& counts) const;
     [[nodiscard]] bool noisy() const { return lobe_means || has_extents; }
     [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
-    // Stores a surface point for later measurement of how nonlinearly its image moves when the lens point
-    // moves (`w_bend`). Points whose image moves linearly are not stored.
-    // `s` is null if the ray hit nothing.
+    // Stores a surface point that is seen in a mirror or in glass, so that its `w_bend` can be measured
+    // later. This tells how nonlinearly the point's image moves when the lens point moves. Points whose image
+    // moves linearly are not stored. `s` is null if the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
     // `w.bent` lists the surface points for which `w_bend` must be found, i.e. how nonlinearly their images
     // move when the lens point moves. For some of these points, this function estimates `w_bend` from earlier
     // samples nearby, and removes the points from the list. So fewer rays are needed to measure the rest.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
-    // Converts the surface hits, ordered by number of bounces, to records, ordered by sample, layer (visible
-    // or hidden surface) and path.
+    // Converts the surface hits to records in `out`. The hits are ordered by number of bounces. The records
+    // are ordered by sample, then by layer (the visible or a hidden surface that the sample's ray hits), and
+    // then by path, i.e. the sequence of bounces.
     void collect(Workspace& w, TracedSamples& out) const;
 };
 

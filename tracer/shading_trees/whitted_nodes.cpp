@@ -1,9 +1,9 @@
-// Completes the shading trees (all surfaces that an eye ray, its reflections and refractions hit) after
-// tracing:
-// - adds the means over glossy lobes and area lights
-// - measures how nonlinearly the images of mirrored or refracted surfaces move when the lens point moves
-//   (`w_bend`)
-// - converts surface hits to records for the sample file
+// Completes the shading trees after tracing. A shading tree contains all surfaces that an eye ray and its
+// reflections and refractions hit. Completing them:
+// - adds the mean radiances over glossy lobes and area lights
+// - measures `w_bend`, i.e. how nonlinearly the images of mirrored or refracted surfaces move when the lens
+//   point moves
+// - converts the surface hits to records for the sample file
 #include <algorithm>
 #include <array>
 #include <cstddef>
