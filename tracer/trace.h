@@ -32,9 +32,9 @@ struct TraceSettings {
     static constexpr int ray_levels = 1;
     /// Largest angle, degrees, by which an object may turn relative to the camera from one recorded instant
     /// to the next. It determines the number of recorded instants if `keys` is absent. With 15 degrees, an
-    /// image is at most 7.5 degrees from the nearest recorded instant. The records of this instant then lack
-    /// a strip of a ball's surface that turns into view. The strip is only 0.9 % of the ball's radius wide (1
-    /// - cos 7.5 degrees).
+    /// object at any instant is turned by at most 7.5 degrees relative to the nearest recorded instant. Of a
+    /// ball, the records of that instant then lack a strip of the surface, whose width is only 0.9 % of the
+    /// radius (one minus the cosine of 7.5 degrees).
     double degrees_per_key = 15;
     /// Largest turn, degrees, between two recorded instants (`degrees_per_key`), for methods that also trace
     /// rays when they make the image. These rays show surfaces that the records lack, so fewer recorded

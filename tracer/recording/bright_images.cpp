@@ -133,15 +133,16 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
         // Tests whether the image of the bright sphere `s` in a mirror or in glass overlaps the quadtree
         // cell. Positions are relative to the cell's centre and in cell widths, so the cell's half-width is
-        // 0.5. `image` is the centre of the sphere's image, and `reach` holds the image's half-widths. Both
-        // half-widths are enlarged by a tenth here, because `image` is only a linear approximation.
+        // 0.5. `image` is the centre of the sphere's image, and `reach` holds the image's half-widths. The
+        // half-widths of the cell and of the image are enlarged by a tenth, because `image` is only a linear
+        // approximation.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;
         // The mirror or glass shows the bright sphere `s` as an ellipse. `half` is half the ellipse's smaller
         // width, in cell widths. It is the smaller singular value of the matrix s.radius * cell_by, where
-        // `cell_by` converts metres at the sphere to cell widths. `squares` and `area` are half the sum of
-        // the squares of both singular values, and their product.
+        // `cell_by` converts metres at the sphere to cell widths. `squares` is half the sum of the squares of
+        // both singular values, and `area` is their product.
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);

@@ -39,9 +39,9 @@ class BrightImages {
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// A mirror or glass may show an image of a bright object inside a quadtree cell, between the rays from
-    /// its corners. Returns how small the cells must become so that all such images are recorded. The objects
-    /// are searched for between the four rays.
+    /// Returns how small the quadtree cells inside a given cell must be, so that all images of bright objects
+    /// in mirrors and glass are recorded. Such an image lies in the cell if a bright object lies between the
+    /// rays from the cell's corners.
     /// - `at`: rays from the four corners of the given cell, row by row, all after the same bounces
     /// - `size_px`: width of the given cell, px
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;

@@ -209,9 +209,10 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
                        glm::all(glm::greaterThanEqual(sizes[i], least_size * largest));
             });
         }
-        // `surrounds` tells for each tested instant whether the camera is inside the object. If it is inside
-        // for part of the time, it sees other surfaces then than from outside. So at least one instant must
-        // be recorded while the camera is inside, and one while it is outside and the object is in view.
+        // `surrounds` tells for each tested instant whether the camera is inside the object's bounding box.
+        // If it is inside for part of the time, it sees other surfaces then than from outside. So at least
+        // one instant must be recorded while the camera is inside, and one while it is outside and the object
+        // is in view.
         if (std::find(surrounds.begin(), surrounds.end(), true) == surrounds.end()) continue;
         add_spans([&](std::size_t i) { return surrounds[i]; });
         add_spans([&](std::size_t i) {

@@ -21,8 +21,9 @@ using glm::dvec3;
 // Number of equal steps of the shutter interval. The light on surfaces is measured at the ends of the steps.
 constexpr int light_steps = 64;
 
-// Least distance between two recorded instants (keys), in 64ths of the shutter interval. A distance of 1/64
-// would give 65 keys, but a file has at most 64 (SampleHeader::most_keys). So the least distance is greater.
+// Least distance between two recorded instants (keys), in 64ths of the shutter interval. A distance of one
+// 64th would need 65 keys, but a file has at most 64 (SampleHeader::most_keys). So the least distance is
+// greater.
 constexpr int fewest_steps = light_steps / (most_light_keys - 1);
 
 // Number of eye rays along the longer side of the image. Light may change during the exposure, because
@@ -58,10 +59,10 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR, dB, of an image that is made from few recorded instants, because the light
-    /// changes between them. The tested instants are numbered from 0, and those with the numbers 0,
-    /// `between`, 2 * between and so on are recorded. The frame's own instant is recorded in addition. If
-    /// `between` is 0, it is the only one.
+    /// Returns the predicted PSNR, dB, of an image that is made from a few recorded instants, with the error
+    /// that arises because the light changes between them. The tested instants are numbered from 0, and those
+    /// with the numbers 0, `between`, 2 * between and so on are recorded. The frame's own instant is recorded
+    /// in addition. If `between` is 0, it is the only one.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))

@@ -11,8 +11,8 @@ namespace postlens {
 
 /// Returns the motion that a sample file stores: the motion of the camera, of moving objects and of lights.
 /// For each moving object, its bounding sphere is also stored. Lights at rest are included if objects move,
-/// because the light on surfaces then changes. If several shapes have the same id, the motion of the
-/// first shape is used.
+/// because the light on surfaces then changes.
+/// If several shapes have the same id, the motion of the first shape is used.
 [[nodiscard]] SceneMotion recorded_motion(const Scene& scene, const Camera& camera);
 
 /// Returns, in ascending order, the ids that belong to several shapes with different keyframes.

@@ -1,5 +1,5 @@
-// Counts the glossy materials and the area lights of a scene. A surface receives their light from many
-// directions. A sample file stores it as one radiance, the mean over several random rays, and so with noise.
+// Counts the glossy materials and the area lights of a scene. A surface that is glossy or lit by an area
+// light receives light from many directions. A sample file stores the mean over several of them.
 #pragma once
 
 #include <cstdint>

@@ -15,10 +15,10 @@ namespace {
 
 constexpr int tile = 16;
 
-/// Returns the place where a search of the pyramid is started. The pyramid stores the inverse depths of
-/// pixels and their extremes in larger squares. It is searched for pixels beside an edge. The returned hint
-/// is the square in which this thread's last search for a similar column x and a similar inverse depth ended,
-/// because the next search often ends there, too.
+/// Returns a hint for a search of the pyramid, i.e. the square of pixels that is tested first. The pyramid
+/// stores the inverse depths of the visible surfaces and is searched for depth edges. The hint is the square
+/// in which this thread's last search for a similar column x and a similar inverse depth ended, because the
+/// next such search often ends there, too.
 MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid, double inverse_depth, double x) {
     thread_local std::array<MinMaxPyramid::Hint, 1024> hints;
     const std::size_t depth =

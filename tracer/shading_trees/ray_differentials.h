@@ -42,7 +42,8 @@ void transfer(RayDifferentials& differentials, const glm::dvec3& direction, doub
                                        double eta);
 
 /// Returns the matrix W, 1/m, of the point that a ray hits. If the lens point moves by q, the eye ray to this
-/// point changes its tangent by -W q, to first order. W = (dX/dp)^-1 dX/dq, along the raster's axes:
+/// point changes its tangent by -W q, to first order.
+/// W = (dX/dp)^-1 dX/dq, along the raster's axes:
 /// - X: point that the ray hits
 /// - p: tangent of the eye ray, i.e. its direction divided by its component along the optical axis
 /// - q: lens point, m

@@ -259,9 +259,9 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
     // A ray's departure is the deviation of its direction from a linear function of the lens point. It is
-    // mainly of second order, so the ray from the opposite lens point has almost the same departure. So rays
-    // from the opposite lens points are traced only for surface points with a larger departure, which are not
-    // `straight`.
+    // mainly of second order, so the ray from the opposite lens point has almost the same departure.
+    // Therefore, rays from the opposite lens points are traced only for surface points with a larger
+    // departure, which are not `straight`.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
@@ -278,8 +278,8 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         out[p.node] = std::max(out[p.node], rounded);
     }
     // Each element of `out` is the result `w_bend` for one surface point. A negative element means that the
-    // rays from all lens points were obstructed before their last bounce, so that the result is unknown. It
-    // is set to infinity, which stands for an unknown value.
+    // rays from all lens points failed before their last bounce. Then the result is unknown, which infinity
+    // stands for.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }
