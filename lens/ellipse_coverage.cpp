@@ -23,9 +23,11 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // The ellipse is too narrow: its smaller semi-axis must be at least smallest_px. Its matrix is minor
-        // I + (major - minor) a a^T, with squared semi-axes `minor` and `major`, and direction a of the major
-        // axis. Replaces `minor` by smallest_px^2.
+        // The ellipse is too narrow, because its smaller semi-axis must be at least smallest_px. The matrix
+        // with the elements xx, xy and yy describes the ellipse. Its eigenvalues `major` and `minor` are the
+        // squares of the semi-axes. With the unit vector a along the major axis, the matrix is minor * I +
+        // (major - minor) * a a^T. To widen the ellipse, `minor` is replaced by smallest_px^2 in this
+        // formula.
         const double a_xx = spread > 0 ? (1 + (xx - yy) / 2 / spread) / 2 : 1;
         const double a_yy = 1 - a_xx;
         const double a_xy = spread > 0 ? xy / 2 / spread : 0;
@@ -88,9 +90,10 @@ double EllipseRows::right_edge(double t) const {
     return e_.shear * t + e_.half_chord * root_at(e_, t);
 }
 
-/// Returns the area of a horizontal strip of the ellipse, left of the vertical line at x. Coordinates are
-/// relative to the ellipse's centre. At height t, the ellipse reaches from left(t) to right(t), so the
-/// integrand over t is min(right(t), x) - min(left(t), x).
+/// Returns the part of an ellipse's area that lies in a horizontal strip and left of the vertical line at x.
+/// Coordinates are relative to the ellipse's centre, and t is the height above or below it. At height t, the
+/// ellipse reaches from left_edge(t) to right_edge(t). Therefore, the area is the integral of
+/// min(right_edge(t), x) - min(left_edge(t), x) over the heights t of the strip.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;

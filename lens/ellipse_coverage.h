@@ -26,7 +26,8 @@ struct Ellipse {
     [[nodiscard]] double half_width() const;
 };
 
-/// How an ellipse covers the pixels in one row, as fractions of its area. Row y covers heights [y, y + 1).
+/// How a blur ellipse covers the pixels of one row. For each pixel, `share` holds the fraction of the
+/// ellipse's total area that lies in the pixel. The pixels of row y extend from y to y + 1.
 struct CoverageRow {
     int y = 0;
     int x_begin = 0;            ///< column of the first value

@@ -24,10 +24,13 @@ struct Film {
 /// Throws Error(wrong_arguments) unless both lengths are positive and finite.
 void check_film(const Film& film);
 
-/// A lens focused at distance s, with the pinhole at its centre. Let gain_px be the film distance in px. Seen
-/// from lens point q (m, raster axes), the image of a point at depth z' shifts by
+/// A lens that is focused at the distance s. The pinhole of the traced image lies at the centre of the lens,
+/// and the image that it sees is the reference. Seen from another lens point q (in m, in raster axes), the
+/// image of a point at depth z' is shifted from its pinhole image by
 ///
 ///     gain_px * (1/s - 1/z') * q    px
+///
+/// Here, gain_px is the film distance in px.
 struct FocusGeometry {
     double aperture_radius_m = 0;    ///< F / (2 n); 0 is a pinhole
     double inverse_focus_per_m = 0;  ///< 1/s; 0 when focused at infinity
@@ -41,10 +44,11 @@ struct FocusGeometry {
     }
 };
 
-/// Makes the geometry of a focused lens. Throws Error(wrong_arguments) unless:
+/// Makes the geometry of a focused lens. Throws Error(wrong_arguments) unless all conditions are met:
 /// - The focal length F is positive and finite.
-/// - The f-number is positive (infinite for a pinhole).
-/// - The focus distance s exceeds F, or 0 for Framing::keep. It may be infinite.
+/// - The f-number is positive. It is infinite for a pinhole.
+/// - The focus distance s, which may be infinite, is greater than F. With Framing::keep, which keeps the film
+///   distance of the traced image, s need only be greater than 0.
 [[nodiscard]] FocusGeometry focus_geometry(const ThinLens& lens, double focus_distance_m, Framing framing,
                                            const Film& film);
 

@@ -25,8 +25,9 @@ double right_of(const Piece& p, double x) {
         return into - into * into / 2;
     };
     const double width = p.x_high - p.x_low;
-    // The result divides by the piece's width, which is nearly 0 for an almost vertical piece. Such a piece
-    // is treated as a vertical line through its midpoint.
+    // The returned mean is an integral over the horizontal extent of the piece of the outline, divided by
+    // this extent, `width`. If the piece is almost vertical, `width` is nearly 0, and rounding errors would
+    // dominate. Such a piece is therefore treated as a vertical line through its midpoint.
     if (width < 1e-9) return std::clamp(x + 1 - (p.x_low + p.x_high) / 2, 0.0, 1.0);
     return (integral(p.x_high) - integral(p.x_low)) / width;
 }
@@ -46,8 +47,10 @@ OutlineRows::OutlineRows(Outline outline) {
         const glm::dvec2 a = outline[i], b = outline[(i + 1) % outline.size()];
         low = std::min(low, a.y);
         high = std::max(high, a.y);
-        // A side on the polygon's left has the sign +1, and a side on its right has -1. Left sides run
-        // upwards, because the corners are in clockwise order (with y pointing down).
+        // A side that bounds the polygon on its left has the sign +1, and a side that bounds it on its right
+        // has -1. The corners are in clockwise order, and y points down. So the outline runs upwards (b.y <
+        // a.y) along the left sides and downwards along the right sides. Side stores its upper end first, so
+        // the ends of a left side are exchanged.
         if (a.y == b.y) continue;
         sides_.push_back(a.y < b.y ? Side{a, b, -1} : Side{b, a, 1});
     }

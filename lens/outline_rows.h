@@ -27,8 +27,9 @@ class OutlineRows {
     void row(int y, CoverageSpan& out) const;
 
   private:
-    /// A side of the polygon. The polygon's area is the sum, over all sides, of `sign` times the area between
-    /// the side and a common vertical line.
+    /// A side of the polygon. The area between a side and a vertical line to the right of the polygon is
+    /// added to the polygon's area or subtracted from it. `sign` is +1 for sides that bound the polygon on
+    /// its left, and -1 for those on its right. The sum over all sides is the polygon's area.
     struct Side {
         glm::dvec2 top{0}, bottom{0};
         double sign = 1;

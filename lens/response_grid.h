@@ -9,8 +9,8 @@ namespace postlens {
 /// An impulse response: the energy of a point light source in each pixel of a rectangle. Values add up to 1,
 /// unless light is lost.
 struct ResponseGrid {
-    /// Top left corner of the rectangle, in px with y down. It is relative to the integer pixel position at
-    /// which the impulse response is added to an image.
+    /// Position of the top left pixel of the rectangle that the impulse response covers, in px with y down.
+    /// The position is relative to the pixel at which the impulse response is added to an image.
     int x_begin = 0, y_begin = 0;
     int width = 0, height = 0;
     std::vector<double> share;  ///< row by row, width * height

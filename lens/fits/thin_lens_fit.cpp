@@ -20,10 +20,12 @@ double example_focal_length_mm(double inverse_focus_per_m) {
     return inverse_focus_per_m > 0 ? std::min(usual_mm, 0.5 / inverse_focus_per_m / metres_per_mm) : usual_mm;
 }
 
-/// Residual K |q - 1/z| - c of a fitted thin lens, for a measured circle of confusion of diameter c at depth
-/// z. q is the inverse focus distance.
+/// Residual of the fit of a thin lens to measured circles of confusion. A thin lens that focuses at the
+/// distance 1/q gives the circle of confusion of a point at depth z the diameter K |q - 1/z|. The factor K is
+/// F^2 / (n (1 - F q)), with the focal length F and the f-number n. The residual is this diameter minus the
+/// measured diameter c:
 ///
-/// K is F^2 / (n (1 - F q)) for focal length F and f-number n.
+///     K |q - 1/z| - c
 struct Difference {
     double inverse_depth, coc_mm;
     template <typename T>
@@ -48,8 +50,10 @@ LineFit fit_line(std::vector<CocPair> pairs) {
     std::sort(pairs.begin(), pairs.end(),
               [](const CocPair& a, const CocPair& b) { return a.distance_m > b.distance_m; });
     LineFit best;
-    // Which measurements lie behind the focus is unknown. So each possible division is tried: a line is
-    // fitted to the diameters over the inverse depth, and the best line is kept.
+    // A circle of confusion does not tell whether its point lies behind the focus or in front of it. So each
+    // possible division of the measurements, which are sorted from far to near, is tried: the first `behind`
+    // measurements count as behind the focus, and the others as in front of it. For each division, a line is
+    // fitted to the diameters over the inverse depth. The line with the smallest error is kept.
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
         // Counts the diameters of circles of confusion in front of the focus as negative. Diameters are then
         // linear in the inverse distance x: c = K (q - x), with inverse focus distance q.
@@ -128,8 +132,9 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
         fail(ExitCode::invalid_input,
              "pairs are those of no lens (got circles of confusion that do not grow away from any focus)");
     }
-    // Circles of confusion determine the inverse focus distance q, but only one number for the focal length F
-    // and f-number n: K = F^2 / (n (1 - F q)). If F is known, n follows, and vice versa.
+    // The diameters of circles of confusion, K |q - 1/z| at depth z, determine two numbers: the inverse focus
+    // distance q and the factor K = F^2 / (n (1 - F q)). K contains two unknowns, the focal length F and the
+    // f-number n. Therefore, one of F and n must be known or assumed, and the other follows from K.
     ThinLensFit out;
     const bool both_free = !request.focal_length_mm && !request.f_number;
     double F_mm = request.focal_length_mm.value_or(example_focal_length_mm(line.q)), n = 1;

@@ -20,8 +20,9 @@ double squared(double x) {
     return x * x;
 }
 
-/// Sums (-1)^s ratio^n J_n over n = first + 2 s. This is Lommel's function U_first for ratio u / v, and
-/// V_first for v / u [born1999, 8.8, eqs. 8 and 16].
+/// Returns the sum of (-1)^s ratio^n J_n(v) over s = 0, 1, ..., with n = first + 2 s. `j` contains the Bessel
+/// functions J_0(v), J_1(v), ... of the optical radius v. If `ratio` is u / v, with the defocus u, the sum is
+/// Lommel's function U_first(u, v). If `ratio` is v / u, it is V_first(u, v) [born1999, 8.8, eqs. 8 and 16].
 double lommel_sum(const std::vector<double>& j, double ratio, std::size_t first) {
     double sum = 0;
     const std::size_t last = first + (j.size() - 1 - first) / 2 * 2;

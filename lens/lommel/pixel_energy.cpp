@@ -14,20 +14,26 @@ namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Integrates the energy flow (see Flow) through a pixel border near the blur kernel's centre. Relative to
-/// the centre, the border lies at x, and extends from y0 to y1.
+/// Integrates an imaginary flow of energy through a pixel border near the blur kernel's centre. In this flow,
+/// the kernel's energy streams radially outwards from the centre (see Flow). The net flow out of a pixel is
+/// the pixel's energy. The border is a part of a vertical line: relative to the centre, it lies at x and
+/// extends from y0 to y1, in px.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // The flow is radial, so it does not cross lines through the kernel's centre. On lines nearer to the
-    // centre than this distance, the flow counts as 0.
+    // The energy flow is directed away from the kernel's centre. So it runs along a line through the centre
+    // and does not cross it. If the border's line passes the centre at less than this distance, it counts as
+    // such a line, and the flow through it is 0. This avoids a division by a distance of nearly 0.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
-    // At distance r from the kernel's centre, the flow is L x / (2 pi r^2) per px of the border. L is the
-    // energy within r. To integrate the flow over y, substitutes y = x sinh t.
+    // The energy L within the distance r from the kernel's centre flows through a circle of circumference 2
+    // pi r, so the flow is L / (2 pi r) per px of the circle. The border, at the distance x from the centre,
+    // is inclined to this circle. Per px of the border, the flow is therefore smaller by the factor x / r. So
+    // the integrand over y is L x / (2 pi r^2). It is integrated over t, with y = x sinh t.
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
-    // Divides the integral over t into panels of 16 quadrature nodes. A panel spans at most 6 units of the
-    // optical radius v, to resolve diffraction fringes. Fringes too narrow for 64 panels cancel in the
-    // integral.
+    // The flow is integrated numerically over t = asinh(y / x) in panels, which are intervals of t with 16
+    // quadrature nodes each. A panel spans at most 6 units of the optical radius v, so that its nodes resolve
+    // diffraction fringes. At most 64 panels are used. Fringes that are too narrow for these contribute
+    // little, because bright and dark fringes cancel in the integral.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -48,9 +54,10 @@ double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// Tabulates L / (2 pi r^2) over the distance r from the blur kernel's centre, where L is the energy within
-/// r. Multiplied by the border's distance x from the centre, this is the energy flow (see Flow) per px of a
-/// pixel border.
+/// A table of L / (2 pi r^2) over the distance r (px) from the blur kernel's centre. L is the kernel's energy
+/// within r. An imaginary flow carries this energy radially outwards (see Flow). The flow through the circle
+/// of radius r is L / (2 pi r) per px. A pixel border at the distance x from the centre is inclined to the
+/// circle, so the factor x / r is added. Thus, x times the table's value is the flow per px of the border.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -74,9 +81,11 @@ class FlowTable {
     std::vector<double> values_;
 };
 
-/// Integrates an imaginary flow through pixel borders parallel to the y axis. In this flow, the energy L(r)
-/// within radius r of the blur kernel's centre leaves evenly through the circle of radius r. The net outflow
-/// of a pixel is then its energy.
+/// Integrates an imaginary flow of energy through pixel borders that are parallel to the y axis. The flow is
+/// directed away from the blur kernel's centre. Through the circle of radius r, as much energy flows as the
+/// kernel contains within this circle, L(r), equally in all directions. So the energy in a ring is the
+/// difference of the flows through its outer and inner circle. In the same way, the net flow out of a pixel
+/// is the pixel's energy.
 class Flow {
   public:
     Flow(const RadialProfile& profile, const PixelEnergySettings& settings, double end_px)
@@ -107,9 +116,10 @@ class Flow {
     FlowTable table_;
 };
 
-/// Computes how much energy flows through each pixel border. By the divergence theorem, a pixel's energy is
-/// what flows out through its borders minus what flows in. If the kernel is centred on a pixel's corner or
-/// centre, its quadrants are equal, so only one is computed.
+/// Returns the flow of energy through each pixel border. In this imaginary flow (see Flow), the kernel's
+/// energy streams outwards from its centre. By the divergence theorem, a pixel's energy is the flow out
+/// through its borders minus the flow in. If the kernel is centred on a corner or the centre of a pixel, the
+/// flows in its four quadrants are equal. Then only the flows of one quadrant are computed and stored.
 class Borders {
   public:
     Borders(const Flow& flow, double centre_x, double centre_y, int reach) : flow_(flow) {
@@ -125,8 +135,10 @@ class Borders {
             }
         });
     }
-    /// Returns the energy flow (see Flow) in +x direction through the pixel border from (x, y0) to (x, y0 +
-    /// 1). A pixel's energy is the net outflow through its four borders.
+    /// Returns the energy that flows in +x direction through the pixel border from (x, y0) to (x, y0 + 1), as
+    /// a fraction of the kernel's energy. Coordinates are in px, relative to the kernel's centre. In this
+    /// imaginary flow (see Flow), energy streams outwards from the centre, and the net flow out through a
+    /// pixel's four borders is the pixel's energy.
     [[nodiscard]] double through(double x, double y0) const {
         if (quadrant_.empty()) return flow_.through(x, y0, y0 + 1);
         const auto line = static_cast<std::size_t>(std::abs(x));
@@ -150,9 +162,10 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // Flows are computed for all pixel borders in a square around the blur kernel's centre. So the radial
-    // profile must reach the square's corners. Averaging over diffraction fringes needs a further margin of 4
-    // smoothing_px.
+    // The pixel energies are computed from energy flows through all pixel borders in a square around the blur
+    // kernel's centre. These need `profile`, the energy within each radius, up to the square's corners, which
+    // are farther away by the factor sqrt(2). The profile is also needed up to `near_px` in any case.
+    // Averaging over diffraction fringes needs a further margin of 4 smoothing_px.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

@@ -13,11 +13,12 @@ struct PixelEnergySettings {
     double near_px = 4;  ///< distance from the centre up to which every fringe is resolved
 };
 
-/// Computes the energy in each pixel of `grid` from an impulse response whose centre is at (centre_x,
-/// centre_y) px. `profile`, the energy within each radius, must extend to `reach_px(grid, ..)`.
+/// Computes the energy of an impulse response in each pixel of `grid`. The impulse response is rotationally
+/// symmetric, and its centre is at (centre_x, centre_y) px. `profile` gives the fraction of its energy within
+/// each radius. The profile must extend at least to the radius `reach_px(grid, ..)`.
 ///
-/// By the divergence theorem, a pixel's energy is an integral along its borders. The parts for a border
-/// between two pixels are opposite, so they cancel in sums over pixels.
+/// By the divergence theorem, a pixel's energy is an integral along its borders. A border between two pixels
+/// contributes opposite values to them, so these values cancel in sums over pixels.
 void fill_pixel_energy(const RadialProfile& profile, double centre_x, double centre_y,
                        const PixelEnergySettings& settings, ResponseGrid& grid);
 

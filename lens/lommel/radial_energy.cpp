@@ -19,8 +19,9 @@ constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a 
 }  // namespace
 
 double RadialEnergy::step_for(double u) {
-    // At small defocus |u|, a few diffraction fringes hold all energy, so energy is tabulated in fine steps
-    // of the radius. At large |u|, each fringe holds at most 1/|u| of the energy, so coarse steps suffice.
+    // The energy within each optical radius is tabulated in steps that must resolve diffraction fringes. If
+    // the defocus |u| (in optical units) is small, a few fringes hold all energy, so the steps must be fine.
+    // If |u| is large, each fringe holds at most 1/|u| of the energy. Therefore, coarse steps suffice.
     return std::abs(u) < 256 ? 0.125 : 0.5;
 }
 
@@ -39,8 +40,10 @@ RadialEnergy::RadialEnergy(double u, double v_end, const BesselGrid& grid) : u_(
     const std::size_t nodes = count - values_beyond;
     within_.resize(nodes);
     within_sum_.resize(nodes);
-    // Slope of the encircled energy E, dE/dv = I v / 2, with intensity I at optical radius v. It is an odd
-    // function, so negative v need no table.
+    // Slope of the encircled energy E, which is the fraction of the energy within the optical radius v. With
+    // the intensity I at this radius, the slope is dE/dv = I v / 2. Integration over a step uses slopes
+    // beyond both of its ends, so v may be negative near the centre. The slope is an odd function of v, so
+    // the intensity at |v| gives these values too.
     const auto slope = [this](std::ptrdiff_t i) {
         const double v = step_ * static_cast<double>(i);
         return intensity_[static_cast<std::size_t>(std::abs(i))] * v / 2;

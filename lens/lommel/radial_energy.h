@@ -12,15 +12,18 @@ namespace postlens {
 /// u are the optical coordinates of lommel.h [born1999, 8.8.1]. The total energy is 1.
 class RadialEnergy {
   public:
-    /// Returns the step of the radius v at which energy is tabulated for defocus u: 1/8 for |u| < 256, and
-    /// 1/2 otherwise. u and v are in optical units [born1999, 8.8.1].
+    /// Returns the step of the optical radius v at which the encircled energy, the energy within v, is
+    /// tabulated. For a defocus |u| < 256, the step is 1/8. Otherwise, it is 1/2. u and v are in optical
+    /// units [born1999, 8.8.1].
     [[nodiscard]] static double step_for(double u);
     /// Returns how many entries a BesselGrid with this step needs for energies up to the optical radius
     /// v_end.
     [[nodiscard]] static std::size_t grid_count(double step, double v_end);
 
-    /// Computes the encircled energy at defocus u, up to the optical radius v_end. `grid` holds Bessel
-    /// functions. It needs the step `step_for(u)` and at least `grid_count(step_for(u), v_end)` entries.
+    /// Computes the encircled energy, the fraction of the energy within each optical radius v, up to v_end. u
+    /// is the defocus. Both are in optical units (lommel.h). `grid` holds Bessel functions at equal steps of
+    /// v. The step must be `step_for(u)`, and `grid` must have at least `grid_count(step_for(u), v_end)`
+    /// entries.
     RadialEnergy(double u, double v_end, const BesselGrid& grid);
 
     /// Computes the encircled energy at defocus u up to the optical radius v_end, with its own tables of
@@ -33,8 +36,9 @@ class RadialEnergy {
     /// Returns the fraction of the point's light within the optical radius v <= v_end. The error is below
     /// 2e-7.
     [[nodiscard]] double within(double v) const;
-    /// Returns the integral of within(v') over the radius v' from 0 to v. The difference of two integrals
-    /// gives the mean of `within` over an interval, in which narrow diffraction fringes average out.
+    /// Returns the integral of the encircled energy within(v') over the optical radius v', from 0 to v. The
+    /// difference of two such integrals, divided by the width of the interval between them, is the mean
+    /// encircled energy in this interval. In this mean, narrow diffraction fringes average out.
     [[nodiscard]] double within_integral(double v) const;
     /// Returns the diffraction pattern's intensity at the optical radii v = 0, step(), 2 step(), ..., as a
     /// fraction of the peak intensity in focus.

@@ -103,9 +103,10 @@ ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, Paraxia
 
 double paraxial_image_z_mm(const Prescription& lens, double wavelength_nm, double object_z_mm) {
     const Matrix m = between(lens, wavelength_nm, 0, lens.surfaces.size());
-    // Traces a ray from the object point on the axis, with height 1 and slope t at the first lens surface (t
-    // is 0 for an object at infinity). m gives its height and slope behind the lens. The image is where the
-    // ray meets the axis there.
+    // Traces a paraxial ray from the object point on the axis. At the first lens surface, its height is 1 and
+    // its slope is t, which is 0 for an object at infinity. The transfer matrix m of the lens converts these
+    // to the ray's height, m.a + m.b t, and its slope times the refractive index, m.c + m.d t, at the last
+    // surface. The image lies where the ray then meets the axis.
     const double t = std::isinf(object_z_mm) ? 0 : -1 / object_z_mm;
     return -lens.image_index(wavelength_nm) * (m.a + m.b * t) / (m.c + m.d * t);
 }

@@ -10,9 +10,10 @@ namespace postlens {
 ///
 /// n' is the refractive index behind the lens.
 struct FirstOrder {
-    /// Equivalent focal length, negative for a diverging lens: an object at infinity, at a small angle t
-    /// (rad), has its image at the height efl t. With the refractive index n' behind the lens, the rear focal
-    /// length is n' efl.
+    /// Equivalent focal length efl. It relates angles to image heights: an object at infinity, at a small
+    /// angle t (rad) from the axis, has its image at the height efl * t. For a diverging lens, efl is
+    /// negative. If the medium behind the lens has the refractive index n', the rear focal length is n' *
+    /// efl.
     double efl_mm = 0;
     double bfl_mm = 0;               ///< z of the rear focal point
     double ffl_mm = 0;               ///< z of the front focal point; negative in front of the lens

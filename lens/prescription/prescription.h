@@ -18,10 +18,13 @@ inline constexpr std::size_t most_surfaces = 500;
 /// Number of terms in the polynomial r^2, r^4, ... r^20 of an even asphere.
 inline constexpr std::size_t asphere_terms = 10;
 
-/// A surface of revolution about the z axis, which points from the scene to the film. c is the curvature, k
-/// the conic constant. At radius r, the distance from the vertex plane (the sag) is
+/// A lens surface: a surface of revolution about the z axis, which points from the scene to the film. At the
+/// radius r from the axis, its distance from the plane through its vertex (the sag) is
 ///
 ///     c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + sum a_i r^(2i)
+///
+/// c is the curvature at the vertex, k the conic constant, and a_i (`asphere`) are the coefficients of an
+/// even asphere.
 struct Surface {
     double curvature_per_mm = 0;                  ///< c = 1 / radius; > 0 if the centre is on the film side
     double conic = 0;                             ///< k; 0 for a sphere, -1 for a paraboloid

@@ -17,8 +17,9 @@ class SeqGlasses {
   public:
     /// `file`: the file name for error messages.
     explicit SeqGlasses(std::string file) : file_(std::move(file)) {}
-    /// Reads a line of the lens file's own glass definitions (between PRV and END). A definition that cannot
-    /// be read is an error only if a lens surface uses the glass.
+    /// Reads one line of a glass definition in a CODE V lens file (.seq). Such a file may define glasses of
+    /// its own, between the commands PRV and END. If a definition cannot be read, this is an error only if a
+    /// lens surface uses the glass.
     void define(int line, const std::string& key, const SeqWords& words);
     /// Finds a glass by its catalogue name, its private name, or a code of index and Abbe number ("517642",
     /// "517.642" or "1.5168:64.17"). Throws Error(invalid_input) if it is unknown.

@@ -236,8 +236,9 @@ Prescription ZmxReader::finish() {
         *lens_.entrance_pupil_diameter_mm *= mm_per_unit_;
         lens_.f_number.reset();
     }
-    // The fields in the file are angles or heights, as its key FTYP says. The reader has stored all as
-    // angles, so heights are discarded.
+    // The file lists fields, which are positions of object points. All of them are either angles or heights,
+    // as the file's key FTYP says. When the fields were read, FTYP was possibly not yet known, so their
+    // numbers were stored as angles. If they are heights, all these numbers are therefore discarded.
     if (!fields_are_angles_) lens_.field_angles_deg.clear();
     const auto wavelength = wavelengths_nm_.find(primary_);
     if (wavelength != wavelengths_nm_.end()) lens_.wavelength_nm = wavelength->second;

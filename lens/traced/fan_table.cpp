@@ -57,8 +57,10 @@ FanTable::Place FanTable::place(double inverse_depth_per_m, double tangent) cons
     Place out;
     out.depth = static_cast<std::size_t>(std::clamp(std::floor(d), 0.0, static_cast<double>(depths - 2)));
     out.field = static_cast<std::size_t>(std::min(std::floor(f), static_cast<double>(fields - 2)));
-    // At depths outside the table of fans, impulse responses are extrapolated linearly, by at most 1000 table
-    // steps (`depth_part`) so that they stay finite.
+    // `depth_part` is the distance of the inverse depth d from the table's grid point `out.depth`, in table
+    // steps. Between two grid points, it is between 0 and 1, and the impulse response is interpolated. Beyond
+    // the table's first or last inverse depth, the impulse response is extrapolated linearly instead.
+    // Limiting the extrapolation to 1000 steps keeps the results finite.
     out.depth_part = std::clamp(d - static_cast<double>(out.depth), -1e3, 1e3);
     out.field_part = f - static_cast<double>(out.field);
     return out;
@@ -69,9 +71,10 @@ PupilFan FanTable::fan(double inverse_depth_per_m, double tangent) const {
     const PupilFan* corner[4] = {&fans_[p.depth * fields + p.field], &fans_[p.depth * fields + p.field + 1],
                                  &fans_[(p.depth + 1) * fields + p.field],
                                  &fans_[(p.depth + 1) * fields + p.field + 1]};
-    // At depths outside the table of fans, only the rays' landing points on the film are extrapolated. The
-    // rays' positions in the pupil, and their light, change little with depth, so the table's nearest depth
-    // gives them.
+    // A fan is a bundle of rays from one object point through the lens. At depths outside the table, fans are
+    // extrapolated, but only the points where their rays land on the film. The rays' positions in the pupil
+    // and the light that they carry change little with depth. Therefore, these values are taken from the
+    // table's nearest depth, by limiting `depth_part` to [0, 1].
     const double inside = std::clamp(p.depth_part, 0.0, 1.0);
     PupilFan out;
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {

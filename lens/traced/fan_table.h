@@ -1,5 +1,6 @@
-// Impulse responses of a ray-traced lens. Each is represented by a fan, a bundle of rays from one object
-// point through the lens. Fans are interpolated in a table.
+// Impulse responses of a ray-traced lens. Each is represented by a fan, which is a bundle of rays from one
+// object point through the lens. Fans are traced for a grid of depths and field angles. For object points
+// between these, they are interpolated.
 #pragma once
 
 #include <vector>
@@ -15,9 +16,12 @@ namespace postlens {
 /// for any number of threads.
 class FanTable {
   public:
-    /// Traces fans of rays from object points. Inverse depths range from 0 to the larger of
-    /// largest_inverse_depth_per_m and the inverse focus distance, and the tangents of the points' angles
-    /// from the axis from 0 to `widest_tangent`. Fans of nearer points are extrapolated.
+    /// Traces the table's fans for a grid of object points.
+    /// - Their inverse depths extend from 0 to the inverse focus distance or to largest_inverse_depth_per_m,
+    ///   whichever is larger.
+    /// - The tangents of their angles from the axis extend from 0 to `widest_tangent`.
+    ///
+    /// The fan of a point that is nearer than all points of the grid is extrapolated.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
@@ -27,8 +31,10 @@ class FanTable {
     /// Returns an upper bound of the blur kernel's radius at an inverse depth, as a fraction of the film
     /// distance (so independent of the pixel size).
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// Returns an upper bound of how fast the blur kernel changes over the image. If the object point's image
-    /// moves by 1 px, no ray's landing point, relative to this image, moves by more than this many px.
+    /// Returns an upper bound of how fast the blur kernel changes over the image, at one inverse depth. The
+    /// kernel consists of the landing points of rays, relative to the pinhole image of the object point. If
+    /// the object point is moved so that its pinhole image moves by 1 px, none of these relative landing
+    /// points moves by more than the returned number of px.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

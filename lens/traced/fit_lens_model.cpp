@@ -75,9 +75,9 @@ void solve(ceres::Problem& problem, const char* what) {
     }
 }
 
-// Fits the model of the pupil, the intersection of three circles, to the edge of the traced pupil. Adds a
-// residual for each pair of neighbouring rays of which only one passes the lens, because the edge lies
-// between them.
+// Fits the model of the pupil, the intersection of three circles, to the pupil of the traced lens. The traced
+// pupil's edge passes between two neighbouring rays of which only one passes the lens. So for each such pair,
+// a residual is added: the deviation of the model's edge from the midpoint between the two rays.
 // - T, K: field tangent and defocus, each divided by its largest value
 // - radius_mm: pupil radius, the unit of the circles
 void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres::Problem& problem,
@@ -111,8 +111,10 @@ std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const Trac
     const auto rim = [&](std::size_t surface, PupilCircle& circle) {
         const double clear = stack.clear_radius_mm(surface);
         if (!std::isfinite(clear) || surface == stack.stop()) return;
-        // A paraxial ray at the height q in the entrance pupil, with field tangent t, meets this lens surface
-        // at the height a q - b t. A ray with t = 0 gives a, and a ray with q = 0 gives b.
+        // Projects the rim of this lens surface to the entrance pupil, as a circle of the pupil model. A
+        // paraxial ray that crosses the entrance pupil at the height q, with the field tangent t, meets the
+        // surface at a height of the form a q - b t. The ray with q = 1 and t = 0 gives the factor a. The ray
+        // with q = 0 and t = -1 gives b.
         const double z = f.entrance_pupil_z_mm;
         const double a = paraxial_ray(lens, traced.wavelength_nm(), {1, 0}, surface).y_mm;
         const double b = paraxial_ray(lens, traced.wavelength_nm(), {-z, 1}, surface).y_mm;

@@ -127,8 +127,10 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
     };
     thick_at_infinity_ = landing(0);
     thick_per_depth_m_ = 1e-3 * (landing(1) - landing(0));
-    // `own` is the inverse distance, in 1/m, of object points whose paraxial rays meet on the film. A focus
-    // distance in the settings takes precedence.
+    // `own` is the inverse focus distance, in 1/m, that follows from the lens prescription's film position:
+    // paraxial rays from an axial object point at this inverse distance meet on the film. So the landing
+    // height thick_at_infinity_ + thick_per_depth_m_ * own is 0. If the settings give a focus distance, `own`
+    // is not used.
     const double own = -thick_at_infinity_ / thick_per_depth_m_;
     const auto set = traced.settings().focus_distance_m;
     inverse_focus_per_m_ = set ? 1 / *set : std::abs(own) < 1e-9 ? 0 : own;
@@ -183,8 +185,10 @@ double LensModels::error_mm(LensModelKind kind, double depth_m, double tangent) 
             }
         }
     }
-    // Some rays pass only the traced lens or only its model. So their error is estimated: their landing point
-    // on the film is compared with that of the nearest ray in the pupil that passes both.
+    // `one` holds the rays that pass only the traced lens or only its model, so that they have no counterpart
+    // with which their landing point could be compared. Their error is therefore estimated: their landing
+    // point on the film is compared with the traced landing point of another ray. This is the nearest ray in
+    // the pupil that passes both the lens and the model.
     for (const Node& node : one) {
         dvec2 off = node.film;
         double nearest = HUGE_VAL;

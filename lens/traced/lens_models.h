@@ -70,9 +70,10 @@ struct LensModelRange {
     std::vector<double> tangents;  ///< >= 0, along +y
 };
 
-/// Returns `count` depths from a_m to b_m (may be infinite), in equal steps of inverse depth, and `count`
-/// tangents of angles from the axis, beginning with 0.
-/// - field_mm: distance from the film centre at which the chief ray at the largest angle lands
+/// Returns a range of object points, for which a lens model is fitted or tested.
+/// - Depths: `count` values from a_m to b_m, which may be infinite, in equal steps of inverse depth.
+/// - Field tangents: `count` tangents of the angle from the axis, beginning with 0. At the largest tangent,
+///   the chief ray lands at the distance field_mm from the film centre.
 ///
 /// Throws Error(wrong_arguments) unless 0 < a_m < b_m, or if no chief ray lands at field_mm.
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
@@ -97,8 +98,9 @@ class LensModels {
     /// Returns a lens model's largest error, in mm, over all depths and field positions of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// Coefficients of the thick-lens model. For an object at depth z' (m), the ray through pupil point p
-    /// (mm) lands, relative to the chief ray, at
+    /// Coefficients of the thick-lens model, which predicts landing points by paraxial optics. An object
+    /// point at depth z' (in m, along the axis from the pinhole) sends a ray through the pupil point p (mm).
+    /// Relative to the chief ray, this ray lands on the film at
     ///
     ///     p * (thick_at_infinity() + thick_per_depth_m() / z')
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }

@@ -49,15 +49,18 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
                         dvec3& normal) noexcept {
     const dvec3 d = ray.direction;
     dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame, with the vertex at the origin
-    // If the ray's origin is very far away, rounding makes the intersection imprecise. So the origin is moved
-    // along the ray to the point nearest to the surface's vertex. A second pass corrects rounding errors.
+    // If the ray's origin p is very far from the lens surface, rounding makes the intersection imprecise.
+    // Therefore, p is moved along the ray to the point that is nearest to the surface's vertex, which is the
+    // origin of these coordinates. This step has a rounding error too, so it is repeated once from the new
+    // point.
     constexpr double far_in_radii = 100;
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
-    // Finds t for which the ray p + t d meets the surface c (x^2 + y^2 + q z^2) - 2 z = 0 [welford1986, 4.3].
-    // c is the curvature at the vertex, and q is 1 plus the conic constant. Inserting the ray gives the
-    // equation a t^2 - 2 b t + f = 0.
+    // Finds the distance t at which the ray p + t d meets the lens surface, which has the equation c (x^2 +
+    // y^2 + q z^2) - 2 z = 0 [welford1986, 4.3]. c is the curvature at the vertex, q is 1 plus the conic
+    // constant e.k, and d is a unit vector. Inserting the ray into the equation gives a t^2 - 2 b t + f = 0,
+    // with the coefficients a, b and f below.
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;

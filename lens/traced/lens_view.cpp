@@ -64,9 +64,10 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
         const double before = film_radius_.back();
         double r = chief_radius_mm(lens, lens.settings().focus_distance_m.value_or(HUGE_VAL),
                                    tangent_step_ * static_cast<double>(i));
-        // If the landing radius r does not grow with the field angle, no ray passes the lens at this angle,
-        // and the image is black there. The curve r is then continued linearly, so that it can still be
-        // inverted.
+        // r is the distance from the film centre at which the chief ray lands, for a given field angle. If
+        // the chief ray is blocked, or if r does not grow with the angle, the image counts as black at this
+        // angle. There, the table of r over the angle is continued linearly. So r increases throughout, and
+        // the table can be inverted.
         if (!(r > before)) {
             r = i == 1 ? film_scale_mm_ * tangent_step_ : 2 * before - film_radius_[i - 2];
         }
@@ -137,8 +138,9 @@ dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
 
 bool LensView::ray(dvec2 tangent, dvec2 uv, ViewRay& out) const noexcept {
     const double t = glm::length(tangent);
-    // Converts a pixel's direction to a film point. The lens rotates the image by 180 degrees, so x changes
-    // its sign. y changes its sign twice, because y points down on the raster but up on the film.
+    // Converts the direction that a pixel shows to a point on the film. The lens rotates the image by 180
+    // degrees, which changes the signs of both coordinates. Besides, y points down on the raster but up on
+    // the film, which changes the sign of y a second time. Therefore, only the sign of x changes in total.
     const double scale = t > 0 ? film_radius_mm(t) / t : 0;
     SceneRay scene;
     if (!lens_->scene_ray({-scale * tangent.x, scale * tangent.y}, uv, scene)) return false;

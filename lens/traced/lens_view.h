@@ -27,9 +27,10 @@ struct ViewRay {
 };
 
 /// A view through a lens whose distortion is corrected: points in the focus plane appear where the pinhole
-/// shows them. Vignetting and blur remain.
+/// image shows them. Vignetting and blur of the lens remain.
 ///
-/// Framing::keep scales the film, so that the field of view is that of the pinhole image.
+/// With Framing::keep, the view shows the same field of view as the pinhole image. For this, the size of the
+/// film is scaled to the image that the lens forms.
 class LensView {
   public:
     /// Throws Error(wrong_arguments) if `settings.film` is out of range. Also throws the errors of
@@ -39,8 +40,8 @@ class LensView {
     [[nodiscard]] const TracedLens& lens() const { return *lens_; }
     /// Returns the thin lens with the real lens's focal length, pupil and focus distance.
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }
-    /// Returns the scale of an image without distortion: the distance of an image point from the film centre,
-    /// in mm, divided by the tangent of its angle from the axis.
+    /// Returns the image scale of this lens without its distortion. It is the distance of an image point from
+    /// the film centre, in mm, divided by the tangent of the object point's angle from the axis.
     [[nodiscard]] double film_scale_mm() const { return film_scale_mm_; }
 
     /// Computes the ray in the scene whose light reaches a pixel through one point of the lens. `tangent` is

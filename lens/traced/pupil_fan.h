@@ -52,8 +52,9 @@ struct FanImage {
     glm::dvec2 centre_px{0};  ///< pinhole image of the object point, px from the response's raster position
 };
 
-/// Returns the radius, in px, of an object point's impulse response: the largest distance from the point's
-/// pinhole image to where a ray of `fan` lands.
+/// Returns the radius, in px, of an object point's impulse response. `fan` holds the rays from this point
+/// through the lens. The radius is the largest distance on the raster between the point's pinhole image and
+/// the landing point of one of these rays.
 [[nodiscard]] double fan_reach_px(const PupilFan& fan, const FanImage& image);
 
 /// Computes the impulse response on the pixel grid. The rays of `fan` form a mesh, and the light of each mesh

@@ -91,9 +91,9 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
 }
 
 LensRay TracedLens::object_ray(double depth_m, dvec2 field, dvec2 pupil_mm) const noexcept {
-    // The object's depth and field angle are measured from the pinhole, but the ray starts at the entrance
-    // pupil. Their positions differ if the lens is moved to focus: the pupil moves with the lens, and the
-    // pinhole does not.
+    // The object's depth and field angle are measured from the pinhole, which is the camera's viewpoint in
+    // the scene. But the ray starts at the lens's entrance pupil. The two positions are equal unless the lens
+    // is moved to focus it. In this case, the entrance pupil moves with the lens, but the pinhole stays.
     const dvec3 pupil(pupil_mm, first_order_.entrance_pupil_z_mm);
     dvec3 direction(-field, 1);
     if (std::isfinite(depth_m)) {
@@ -199,9 +199,11 @@ void TracedLens::set_focus(const Prescription& lens) {
         film_from_vertex_mm_ = sharp_film_mm(lens, s);
         return;
     }
-    // By Newton's equation, the object's distance from the front focal point times the image's distance from
-    // the rear focal point is n' efl^2 (image index n'). So the sum of these distances, which limits the
-    // focus, is at least 2 sqrt(n') efl.
+    // Computes the smallest distance on which the moving lens can focus. By Newton's equation, the object's
+    // distance from the front focal point times the image's distance from the rear focal point is n' efl^2,
+    // with the index n' behind the lens. Therefore, the sum of the two distances is at least 2 sqrt(n') efl.
+    // Because the film does not move, this sum is the object's distance from the front focal point before the
+    // lens is moved.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {
@@ -211,9 +213,10 @@ void TracedLens::set_focus(const Prescription& lens) {
              s, nearest_mm * 1e-3);
     };
     if (s * 1e3 < nearest_mm) too_near();
-    // The lens moves by e towards the scene and focuses the remaining distance s - e: e = film(s - e) -
-    // film(infinity). film(d) is the film position that focuses distance d. film(s - e) grows with e, so the
-    // iteration converges from below.
+    // The lens is moved by the distance e towards the scene, so it must focus on the remaining distance s -
+    // e. film(d) is the film position, relative to the lens, at which an object at distance d is in focus.
+    // The film stays in the scene, so e must satisfy e = film(s - e) - film(infinity). This is solved by
+    // iteration. It converges from below, because film(s - e) grows with e.
     const double rest = sharp_film_mm(lens, infinity);
     for (int step = 0; step < 200; ++step) {
         const double film = sharp_film_mm(lens, s - extension_mm_ * 1e-3);
@@ -245,8 +248,9 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
             passes[at(i, j)] = stack_.backward(ray).passes() ? 1 : 0;
         }
     }
-    // The rays that pass the lens surfaces may form separate groups of grid points. Uses only the largest,
-    // because in a real lens, the mount would block the others.
+    // Rays from one film point are aimed at a grid of points on the plane of the last lens vertex. The grid
+    // points whose rays pass all lens surfaces may form several separate groups. Only the largest group is
+    // used. The rays of other groups are stray light: in a real lens, the mount would block them.
     Box box;
     std::size_t largest = 0;
     std::vector<int> patch;
@@ -307,8 +311,9 @@ void TracedLens::find_rear_boxes() {
         }
     }
     if (rear_boxes_.front().empty()) return;
-    // E0 is the irradiance at the film centre for a scene of radiance 1. Its error is about 1 / nodes^1.5,
-    // because the pupil's edge cuts cells of the ray grid.
+    // Computes E0, the irradiance at the film centre if the whole scene has the radiance 1. It is the mean
+    // weight of a grid of nodes x nodes rays from the film centre. Its relative error is about 1 / nodes^1.5,
+    // because the pupil's edge cuts through cells of this grid.
     constexpr int nodes = 256;
     double sum = 0;
     SceneRay ray;
@@ -400,8 +405,10 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
         const dvec2 p = box.low + step * dvec2(i, j);
         out.pupil_mm[k] = p;
         LensRay ray = object_ray(depth_m, field, p);
-        // Weight of a ray: solid angle per area of the pupil plane, relative to the ray through the pupil's
-        // centre. It is proportional to cos^3, but equal for the parallel rays from infinity.
+        // Weight of a ray: the solid angle, seen from the object point, of one grid cell of the pupil plane,
+        // relative to that of a cell at the pupil's centre. For a finite distance, the solid angle is
+        // proportional to cos^3 of the ray's angle from the axis, because of the cell's distance and
+        // inclination. Rays from an object at infinity are parallel, so they all have the weight 1.
         const double ratio = ray.direction.z / middle_cosine;
         const double weight = std::isfinite(depth_m) ? ratio * ratio * ratio : 1;
         out.weight[k] = static_cast<float>(weight);

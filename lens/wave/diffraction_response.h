@@ -35,10 +35,12 @@ struct ChannelResponses {
     double radius_px = 0;
 };
 
-/// Computes one response for each CoC diameter (signed, in px), bit-identical for any number of threads.
+/// Computes the impulse responses to points of different defocus: one for each diameter of the circle of
+/// confusion (CoC), in px. The diameter is positive behind the focus distance. Results are bit-identical for
+/// any number of threads.
 ///
-/// Throws Error(wrong_arguments) for an aperture of width 0, a CoC beyond `largest_u`, or a setting out of
-/// range. Throws Error(out_of_memory), with the required memory.
+/// Throws Error(wrong_arguments) for an aperture of width 0, a setting out of range, or a CoC whose defocus
+/// in optical units exceeds `largest_u`. Throws Error(out_of_memory), with the required memory.
 [[nodiscard]] std::vector<ChannelResponses> diffraction_responses(const FocusGeometry& geometry,
                                                                   std::span<const double> coc_diameters_px,
                                                                   const DiffractionSettings& settings);

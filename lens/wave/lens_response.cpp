@@ -138,8 +138,10 @@ void make_disc(LensResponse& out, int size_px) {
     fill_disc(radius_px, middle(size_px), out.grid);
     for (const double r : profile_radii(size_px / 2.0, 0)) {
         const double share = radius_px > 0 ? std::min(r * r / (radius_px * radius_px), 1.0) : 1;
-        // Intensity of a uniform disc of radius R = u / v_per_px, relative to the peak in focus: 1 / (pi R^2)
-        // divided by v_per_px^2 / (4 pi). u is the defocus, v the optical radius.
+        // `inside` is the intensity in a uniform disc, relative to the peak in focus. Its radius is R = u /
+        // v_per_px, in px, with the defocus u (in optical units) and the optical radius v_per_px of 1 px. The
+        // disc's energy per px^2 is 1 / (pi R^2), and that of the peak in focus is v_per_px^2 / (4 pi).
+        // Therefore, the quotient is 4 / u^2.
         const double inside = out.u != 0 ? 4 / (out.u * out.u) : std::numeric_limits<double>::infinity();
         out.profile.push_back({r, r * out.v_per_px, r <= radius_px ? inside : 0, share});
     }

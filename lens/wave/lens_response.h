@@ -16,9 +16,9 @@ struct LensResponseRequest {
     double focus_distance_m = 1, depth_m = 1;
     double pixel_pitch_mm = 0.01875;
     Impulse impulse;  ///< disc, polygon, picture or diffraction
-    /// The aperture for impulse responses without diffraction. If absent, it is made from the settings
-    /// `impulse`. It must be set if the aperture is an image, because `impulse` contains only the image's
-    /// file name.
+    /// The aperture shape for impulse responses without diffraction. If it is absent, the aperture is made
+    /// from the field `impulse`. If the aperture is an image, this field must be set, because `impulse`
+    /// contains only the image's file name.
     std::optional<Aperture> aperture;
     double wavelength_nm = 550;  ///< used if the impulse states none
     int size_px = 0;             ///< width and height; 0: wide enough for 99 % of the energy, up to 1025

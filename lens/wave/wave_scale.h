@@ -23,15 +23,17 @@ inline constexpr double largest_u = 1e6;
 /// Throws Error(wrong_arguments) if |u| exceeds largest_u or is not a number.
 void check_defocus(double u);
 
-/// Returns the scales of diffraction for a thin lens with a finite f-number, focused beyond its focal length.
-/// The geometric disc ends at the optical radius v = |u|, because the defocus |u| is v_per_px times the
-/// radius of the circle of confusion, in px.
+/// Returns the conversion to the optical coordinates of diffraction theory, v for the radius in the image and
+/// u for the defocus. The lens is thin, with a finite f-number, and is focused beyond its focal length. |u|
+/// is v_per_px times the radius of the circle of confusion, in px. Therefore, the blur disc of geometric
+/// optics ends at the radius v = |u|.
 [[nodiscard]] WaveScale wave_scale(const ThinLens& lens, double focus_distance_m, double depth_m,
                                    double pixel_pitch_mm, double wavelength_nm);
 
-/// Returns the scales of diffraction for a traced image at wavelength lambda. The optical radius per px is
-/// v_per_px = 2 pi a / (lambda gain_px), and the defocus is u = v_per_px coc_diameter_px / 2. Aperture radius
-/// a, gain_px and coc_diameter_px are members of FocusGeometry.
+/// Returns the conversion to the optical coordinates of diffraction theory for a point of a traced image, at
+/// the wavelength lambda. The optical radius of 1 px is v_per_px = 2 pi a / (lambda gain_px). The defocus in
+/// optical units is u = v_per_px coc_diameter_px / 2. The aperture radius a, gain_px and coc_diameter_px are
+/// members of FocusGeometry.
 [[nodiscard]] WaveScale wave_scale(const FocusGeometry& geometry, double inverse_depth_per_m,
                                    double wavelength_nm);
 
