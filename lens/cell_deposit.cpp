@@ -39,8 +39,9 @@ void CellDeposit::add(std::span<const dvec2> corners, double energy) {
         add_side(corners[i], corners[(i + 1) % corners.size()], density);
 }
 
-// Adds the energy of the area between one polygon side and the grid's right edge. Sides that run upwards
-// count positively and others negatively, so together they give the polygon's energy.
+// Adds or subtracts the energy of the area between one side of a polygon and the grid's right edge. Sides
+// that run upwards count positively, and sides that run downwards negatively. Therefore, the energy outside
+// the polygon cancels, and all sides together add the polygon's energy.
 void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
     const double sign = a.y > b.y ? density : -density;
@@ -95,8 +96,9 @@ void CellDeposit::finish() {
         double sum = 0;
         for (std::size_t x = 0; x < static_cast<std::size_t>(grid_.width); ++x) {
             sum += after_[row + x];
-            // The contributions of a polygon's left and right sides cancel outside the polygon. Rounding can
-            // leave a small negative energy there.
+            // `sum` is the energy that the sides of all polygons to the left of this pixel contribute to it.
+            // Outside a polygon, the contributions of its left and right sides cancel. But rounding can leave
+            // a small negative energy there, so negative values become 0.
             grid_.share[row + x] = std::max(0.0, grid_.share[row + x] + sum);
         }
     }

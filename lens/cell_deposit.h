@@ -13,11 +13,11 @@ class CellDeposit {
   public:
     /// finish() will add energy to `grid`, which must outlive this object.
     explicit CellDeposit(ResponseGrid& grid);
-    /// Spreads energy uniformly over the pixels that a convex polygon covers. Corners are in px, in the
-    /// grid's coordinates.
+    /// Spreads energy uniformly over the area of a convex polygon, so each pixel receives energy in
+    /// proportion to the area that the polygon covers in it. Corners are in px, in the grid's coordinates.
     ///
-    /// The energy of a polygon below 1e-5 px^2 is divided among the pixels at its centre and at the midpoints
-    /// of its sides.
+    /// A polygon smaller than 1e-5 px^2 is not integrated exactly. Its energy is divided equally among the
+    /// pixels that contain its centre and the midpoints of its sides.
     void add(std::span<const glm::dvec2> corners, double energy);
     /// Adds the energy of all polygons to the grid.
     void finish();

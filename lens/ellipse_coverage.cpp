@@ -97,8 +97,9 @@ double EllipseRows::right_edge(double t) const {
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
-    // A vertical line at x crosses the ellipse's outline at two heights t, relative to the centre. With k =
-    // shear, s = half the chord through the centre, and H = half the height:
+    // The outline of the ellipse satisfies the equation below. Here, t is the height relative to the centre,
+    // k the shear, s half the chord through the centre, and H half the ellipse's height. A vertical line at x
+    // crosses the outline at up to two heights t, which are the solutions of this equation:
     //
     //     (x - k t)^2 = s^2 (1 - (t / H)^2)
     const double a = k * k + s * s / (e_.half_height * e_.half_height);

@@ -8,8 +8,9 @@
 
 namespace postlens {
 
-/// The image of the unit disc under a 2x2 matrix, described by horizontal chords. At height y above the
-/// centre, the chord ends at
+/// An ellipse, the image of the unit disc under a 2x2 matrix. It is described by its horizontal chords,
+/// because coverage is computed row by row. At the height y above the centre, the two ends of the chord are
+/// at
 ///
 ///     centre.x + shear * y +- half_chord * sqrt(1 - (y / half_height)^2)
 struct Ellipse {

@@ -33,8 +33,9 @@ struct Impulse {
     double spherical = 0;  ///< 1/m, see Aperture
 };
 
-/// Parses one of disc | polygon:BLADES[:DEG[:ROUNDNESS]] | diffraction[:NM[,NM...]] | image:FILE |
-/// lens:PRESCRIPTION. The last is accepted only if `real_lenses` is true.
+/// Parses the argument of the option that selects the impulse response. The argument has one of these forms:
+/// disc | polygon:BLADES[:DEG[:ROUNDNESS]] | diffraction[:NM[,NM...]] | image:FILE | lens:PRESCRIPTION. The
+/// form lens is accepted only if `real_lenses` is true.
 ///
 /// Throws Error(wrong_arguments) with a message that begins with `option`, the name of the option.
 [[nodiscard]] Impulse parse_impulse(const std::string& option, const std::string& text,

@@ -22,8 +22,8 @@ using Outline = std::vector<glm::dvec2>;
 /// Returns the intersection of two outlines. It is empty if they do not overlap.
 [[nodiscard]] Outline intersection(const Outline& a, const Outline& b);
 
-/// Returns the signed area, which is positive if the corners run from the x axis towards the y axis, as in an
-/// Outline.
+/// Returns the signed area of a polygon. It is positive if the corners are in the order of a rotation from
+/// the x axis towards the y axis, as in an Outline. Otherwise, it is negative.
 [[nodiscard]] double area(const Outline& outline);
 
 }  // namespace postlens

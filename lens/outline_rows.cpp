@@ -14,11 +14,12 @@ struct Piece {
     double height;         ///< positive height times the `sign` of the side
 };
 
-/// Returns the fraction of the pixel [x, x + 1) to the right of a straight piece of the outline, averaged
-/// over the heights that the piece spans.
+/// Returns how much of the pixel column [x, x + 1) lies to the right of a straight piece of the outline. The
+/// result is a fraction of the pixel's width, averaged over the heights that the piece spans.
 double right_of(const Piece& p, double x) {
-    // Of the pixel [x, x + 1), the fraction clamp(x + 1 - at, 0, 1) lies to the right of a vertical line at
-    // `at`. `integral` is the integral of this fraction over `at`.
+    // A vertical line at `at` leaves the fraction clamp(x + 1 - at, 0, 1) of the pixel [x, x + 1) to its
+    // right. The piece of the outline passes all positions from x_low to x_high uniformly, so this fraction
+    // must be averaged over `at`. For this, `integral` returns an antiderivative of the fraction.
     const auto integral = [x](double at) {
         if (at <= x) return at - x;
         const double into = std::min(at - x, 1.0);

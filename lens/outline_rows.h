@@ -7,10 +7,10 @@
 
 namespace postlens {
 
-/// Computes the area of each pixel that a polygon covers, divided by the polygon's area. Row y covers heights
-/// [y, y + 1).
+/// Computes how a polygon covers pixels, one row after the other. For each pixel, it gives the area that the
+/// polygon covers in the pixel, divided by the polygon's area. The pixels of row y extend from y to y + 1.
 ///
-/// Completely covered pixels share one value, so the time depends only on the length of the outline.
+/// Completely covered pixels share one value. Therefore, the time depends only on the length of the outline.
 class OutlineRows {
   public:
     /// `outline` is a polygon in px, clockwise or anticlockwise, with an area of at least 1e-12 px^2.

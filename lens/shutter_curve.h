@@ -24,8 +24,8 @@ class ShutterCurve {
     /// more, times increase, and transmittances are finite, not negative and not all 0.
     [[nodiscard]] static ShutterCurve points(std::vector<std::pair<double, double>> points,
                                              const std::string& source);
-    /// Reads the curve from a text file with two numbers (time, transmittance) per line. A # begins a
-    /// comment.
+    /// Reads the curve from a text file. Each line contains two numbers, the time and the transmittance, for
+    /// one point of the curve. A # begins a comment.
     ///
     /// Throws Error(invalid_input).
     [[nodiscard]] static ShutterCurve read(const std::filesystem::path& path);

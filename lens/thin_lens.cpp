@@ -29,8 +29,9 @@ double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double dep
 DepthOfField depth_of_field(const ThinLens& lens, double focus_distance_m, double coc_limit_mm) {
     const double focal_m = lens.focal_length_mm * metres_per_mm;
     const double s = focus_distance_m;
-    // q is the hyperfocal distance minus the focal length F. It is infinite if coc_limit_mm is 0, and then
-    // q s / (q + s - F) would be NaN. The code below uses s / (1 + (s - F) / q) instead.
+    // q is the hyperfocal distance minus the focal length F, in m. The near limit of the depth of field is q
+    // s / (q + s - F), with the focus distance s. If coc_limit_mm is 0, q is infinite, and this formula would
+    // give NaN. Therefore, the equal form s / (1 + (s - F) / q) is used.
     const double q =
         lens.focal_length_mm * lens.focal_length_mm / (lens.f_number * coc_limit_mm) * metres_per_mm;
     DepthOfField out;

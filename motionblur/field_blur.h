@@ -23,8 +23,9 @@ struct FieldBlurSettings {
     std::optional<Crop> crop;
 };
 
-/// Returns one mesh per recorded instant, made from the directly visible surfaces of a file. Reflections and
-/// refractions have no mesh: they are assumed to move with the mirror or glass.
+/// Returns meshes of the directly visible surfaces in a file, one mesh for each recorded instant. Surfaces
+/// that are seen by reflection or refraction have no mesh of their own, because they are assumed to move with
+/// the mirror or glass.
 [[nodiscard]] std::vector<SheetMesh> blur_sheets(const SampleFileReader& file);
 
 struct FieldBlur {
@@ -37,26 +38,27 @@ struct FieldBlur {
 /// Bit of PatchPicture::touched for pixels that must be redrawn.
 inline constexpr std::uint8_t wanted_mark = 2;
 
-/// Blurs moving objects as the mean of many views. A view is the pinhole image at one instant, reprojected
-/// from the recorded instants before and after it.
-///
-/// `motion` maps image positions from one instant to another, and `ids` lists which objects move and how far.
-/// `wanted_ids` (sorted) are the objects to blur. Image tiles that they cannot reach are not computed.
+/// Blurs moving objects as the mean of many views. A view is the pinhole image at one instant of the
+/// exposure. It is made by reprojecting the surfaces from the recorded instants before and after it.
+/// - `motion`: maps image positions from one instant to another
+/// - `ids`: the motion of the objects, with the distance that each one moves
+/// - `wanted_ids` (sorted): the objects to blur; image tiles that they cannot reach are not computed
 [[nodiscard]] FieldBlur field_blur(const SampleHeader& header, const std::vector<SheetMesh>& sheets,
                                    const FrameMotion& motion, const std::vector<IdMotion>& ids,
                                    const std::vector<std::uint32_t>& wanted_ids,
                                    const FieldBlurSettings& settings);
 
-/// Draws the mean of the views (images at different instants) in the image tiles that overlap `crop`. Pixels
-/// over which no object moves get PatchPicture::unknown = 0, because they keep the colours of the static
-/// image.
+/// Draws the mean of the views (images at different instants) in those image tiles that overlap `crop`. A
+/// pixel over which no object moves keeps its colour of the static image. Therefore, it needs no colour from
+/// the views, and its PatchPicture::unknown, the fraction of views without a recorded surface, is set to 0.
 ///
-/// `field.sets` must have one element. `field.class_marks` must not be empty, because it marks moving
-/// objects.
+/// `field.sets`, the sets of views, must have one element. `field.class_marks`, a bit mask for each group of
+/// moving objects, must not be empty, because it tells where objects move.
 [[nodiscard]] PatchPicture touched_picture(PatchField& field, const std::optional<Crop>& crop);
 
-/// Copies the pixels of `seen` that have one of the flags `marks` to `image`. Fills gaps with the colours of
-/// `behind`.
+/// Copies pixels of `seen`, the mean of views, to `image`: those whose bits in PatchPicture::touched include
+/// one of the bits `marks`. Some views may see no recorded surface in a pixel. Their share of the pixel is
+/// filled with the colour of `behind`.
 void lay_over(Image& image, const PatchPicture& seen, std::uint8_t marks, const Image& behind);
 
 }  // namespace postlens

@@ -29,8 +29,9 @@ void check(const MotionBlurSettings& s) {
     check_views(s.views);
 }
 
-/// The method `automatic` convolves groups of moving objects that pass over the same pixels if the error of
-/// this (Crossing::most_mse) is at most this value. Up to it, the measured PSNR was at least 45 dB.
+/// Largest accepted error of the convolution of moving groups that pass over the same pixels. The error is
+/// the bound of the mean squared error in Crossing::most_mse. Up to this value, the method `automatic` uses
+/// convolution, because the measured PSNR was at least 45 dB. Above it, it uses the method `lightfield`.
 constexpr double most_crossing_mse = 1e-3;
 
 class MotionBlur {
@@ -48,8 +49,9 @@ class MotionBlur {
         if (!shows_frame_alone()) find_motion();
         choose();
         prepare_convolution();
-        // Shadows and light also change static surfaces. So pixels over which nothing moves become the mean
-        // of all recorded instants.
+        // If the file holds several recorded instants, they may show different shadows and light. These
+        // change static surfaces too. Therefore, the pixels of the output image over which nothing moves
+        // become the weighted mean of all recorded instants.
         const bool blends =
             file_.instants() > 1 && settings_.method != MotionMethod::convolve && !shows_frame_alone();
         const std::size_t pixels = result_.image.rgb.size() / 3;
@@ -89,8 +91,10 @@ class MotionBlur {
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_[0])
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
-        // Also determines the kind of motion of each object from the other recorded instants. An object may
-        // move differently there, or be recorded only there.
+        // The motion of each object was determined from its bounding box at the frame's instant. The same is
+        // done here for the other recorded instants, because an object may move differently from its position
+        // there, or it may be recorded only there. If the kinds of motion differ, the most general kind is
+        // kept.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
                 add_extents(band, only, extents_[i]);
@@ -162,15 +166,16 @@ class MotionBlur {
         }
     }
 
-    // Returns true if the border of the recorded image cuts off a part of the object at the frame's instant.
-    // Convolution uses only this instant, so it cannot show this part. The method lightfield can, if another
-    // recorded instant contains it.
+    // Returns true if, at the frame's instant, the border of the recorded image cuts off a part of the object
+    // that may move into the image. Convolution uses only this instant, so it cannot show the cut-off part.
+    // The method lightfield can show it if another recorded instant contains it.
     [[nodiscard]] bool is_cut_at_frame(std::uint32_t id) const {
         return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
 
-    // Returns true if shadows, reflections or shading may change during the exposure. The method lightfield
-    // is then used, because convolution blurs the light of a single instant.
+    // Returns true if the file holds several recorded instants and shadows, reflections or shading may change
+    // between them. In this case, the method `automatic` uses the method lightfield, because convolution
+    // would blur the light of a single instant.
     [[nodiscard]] bool keys_show_other_light() const {
         return file_.instants() > 1 && settings_.method == MotionMethod::automatic &&
                UnseenMotion(header_, with_unseen(moving_ids(motions_)), settings_.exposure).possible();
@@ -252,9 +257,10 @@ class MotionBlur {
         });
     }
 
-    /// Blurs groups (objects with the same motion path) by convolution. With the method `automatic`, a group
-    /// remains for the method `lightfield` if another group crosses it and convolution would cause a large
-    /// error.
+    /// Blurs groups by convolution. A group consists of the moving objects that have the same motion path.
+    /// With the method `automatic`, a group is left to the method `lightfield` if another moving group passes
+    /// over the same pixels and the error of convolution would be large. Its mean coverage and light, which
+    /// convolution gives, then do not suffice to composite the two groups.
     void convolve_groups() {
         ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
                                           settings_.curve, across_per_px(header_));
@@ -284,9 +290,10 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // Background behind moving objects may not be recorded. It is interpolated from static pixels,
-            // or, if there are none, from the blurred image. The whole image is blurred for this, because the
-            // result must not depend on the crop.
+            // The background behind moving objects may not be recorded. Then it is interpolated from pixels
+            // of the image that show static surfaces. If there are none, it is interpolated from the blurred
+            // image. In the second case, the whole image is blurred, although only `crop` is wanted, because
+            // the result must not depend on the crop.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
@@ -308,8 +315,9 @@ class MotionBlur {
         return std::find(marks.begin(), marks.end(), 0) == marks.end();
     }
 
-    // Returns the background behind moving objects, interpolated from static pixels. Without static pixels,
-    // it is interpolated from the blurred image `p`.
+    // Returns an image of the background behind moving objects. `covered` marks the pixels in which a moving
+    // object is recorded. The background is interpolated from all other pixels, which show static surfaces.
+    // If there are none, it is interpolated from the known pixels of the blurred image `p`.
     [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
         const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();

@@ -14,11 +14,11 @@
 namespace postlens {
 
 /// Method by which moving objects are blurred.
-/// - convolve: convolves the objects' image with the image of their common path.
-/// - lightfield: averages views of the surfaces at many instants.
+/// - convolve: convolves the image of the objects with a blur kernel, the image of their common motion path.
+/// - lightfield: averages views, images of the surfaces at many instants.
 /// - automatic: convolve for objects that move parallel to the film, and lightfield for all others. If near
-///   parts of an object move farther than distant parts, convolve also needs a single surface, alone in its
-///   range of depth.
+///   parts of an object move farther in the image than distant parts, convolve also requires a single surface
+///   with no other surface in its range of depth.
 enum class MotionMethod { automatic, convolve, lightfield };
 
 struct MotionBlurSettings {
@@ -28,8 +28,9 @@ struct MotionBlurSettings {
     std::optional<int> views;       ///< number of instants that method lightfield averages
     std::vector<ObjectPath> paths;  ///< replace the motion that the file states for these objects
     std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
-    /// If set, only this part of the image is computed, and is bit-identical to this part of the whole image.
-    /// Pixels outside are undefined, and do not count in reported fractions of pixels.
+    /// Part of the image that is computed; the whole image if absent. The computed pixels are bit-identical
+    /// to those of the whole image. Pixels outside the crop are undefined, and they do not count in reported
+    /// fractions of pixels.
     std::optional<Crop> crop;
 };
 
@@ -47,8 +48,9 @@ struct ObjectReport {
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0, deviation_px = 0;
     int slices = 0;  ///< number of depth slices that method convolve blurs
-    /// Method convolve moves the object along a path of `path_points` points. `fitted_knots` is the number of
-    /// knots of the spline fitted to it (0 if none), and `fit_error_px` the error of this fit.
+    /// The motion path along which the method convolve moves the object. It has `path_points` points. A
+    /// spline may be fitted to it: `fitted_knots` is the spline's number of knots (0 if no spline is fitted),
+    /// and `fit_error_px` is the error of the fit, in px.
     std::size_t path_points = 0, fitted_knots = 0;
     double fit_error_px = 0;
     std::string reason;
@@ -67,11 +69,11 @@ struct MotionBlurResult {
 /// Throws Error(wrong_arguments) unless both times are finite and open_s <= close_s.
 void check_exposure(const Exposure& exposure);
 
-/// Computes the motion-blurred image of a sample file, bit-identical for any number of threads. If nothing
-/// moves, it is the image that the file records.
+/// Computes the motion-blurred image of a sample file. If nothing moves, the result is the image that the
+/// file records. Results are bit-identical for any number of threads.
 ///
-/// Throws Error(wrong_arguments) for settings out of range, Error(invalid_input) for damaged files or unknown
-/// object ids, and Error(out_of_memory).
+/// Throws Error(wrong_arguments) if a setting is out of range, Error(invalid_input) for damaged files or
+/// unknown object ids, and Error(out_of_memory).
 [[nodiscard]] MotionBlurResult motion_blur(const SampleFileReader& file, const MotionBlurSettings& settings);
 
 }  // namespace postlens

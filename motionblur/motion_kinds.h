@@ -22,16 +22,17 @@ struct IdExtent {
 };
 using IdExtents = std::map<std::uint32_t, IdExtent>;
 
-/// Enlarges the bounding boxes of objects to include their directly visible samples in a band of pixel rows.
-/// `only` (sorted) selects the objects; if it is empty, all are selected. Returns whether the band contains a
-/// sample of a selected object.
+/// Enlarges the bounding boxes `to` of objects so that they include the objects' directly visible samples in
+/// a band of pixel rows. `only` (sorted) lists the ids of the objects. If it is empty, the boxes of all
+/// objects are enlarged. Returns true if the band contains a sample of one of these objects.
 bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only, IdExtents& to);
 
 enum class MotionKind {
     still,        ///< stays within 0.01 px of its recorded position
     translation,  ///< parallel to the film: within 0.25 px, every point moves like the box's centre
-    /// The object moves parallel to the film, but its near points move visibly farther than its distant
-    /// points. Within 0.25 px, displacements are proportional to inverse depths.
+    /// Kind of motion of an object that moves parallel to the film, but whose near points move visibly
+    /// farther in the image than its distant points. The displacement of each point is proportional to its
+    /// inverse depth. Deviations from this are at most 0.25 px.
     parallax,
     general  ///< rotates, approaches, or passes the camera
 };
@@ -44,8 +45,9 @@ struct IdMotion {
     /// How differently parts of the object move: largest difference, in px, between the displacements of a
     /// corner of its bounding box and of the box's centre. Infinite if the box passes the camera.
     double deviation_px = 0;
-    /// Largest error, in px, of assuming pure parallax: that the displacement of each corner of the bounding
-    /// box depends only on the corner's depth.
+    /// Largest error, in px, of assuming that the object moves with pure parallax. Under this assumption, the
+    /// displacement in the image of each corner of the object's bounding box is that of the box's centre,
+    /// multiplied by the corner's inverse depth divided by the centre's.
     double bend_px = 0;
     RasterPoint centre;
     double inverse_z = 0;  ///< mean inverse depth of the object's recorded samples, 1/m
@@ -66,14 +68,16 @@ struct Exposure {
 inline constexpr double still_px = 0.01;
 inline constexpr double translation_px = 0.25;
 
-/// Classifies an object's motion from the displacements of its bounding box's corners and centre. They are
-/// compared at the instants of probe_times.
+/// Classifies how an object moves in the image. For this, the displacements of the corners of its bounding
+/// box are compared with each other and with that of the box's centre. They are evaluated at the instants
+/// that probe_times returns: uniform steps of the exposure, and the instants at which the velocity changes
+/// abruptly.
 [[nodiscard]] IdMotion classify(const FrameMotion& motion, std::uint32_t id, const IdExtent& extent,
                                 double recorded_s, const Exposure& exposure);
 
-/// Returns the instants at which the displacements of objects are evaluated to classify their motion. These
-/// are uniform steps of the exposure, and all instants in it at which the velocity may change abruptly
-/// (`breaks_s`).
+/// Returns the instants at which the displacements of objects are evaluated to classify their motion. Some of
+/// them divide the exposure into uniform steps. The others are the instants of `breaks_s` within the
+/// exposure, at which the velocity of an object may change abruptly.
 [[nodiscard]] std::vector<double> probe_times(const std::vector<double>& breaks_s, const Exposure& exposure);
 
 }  // namespace postlens

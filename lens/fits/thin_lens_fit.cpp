@@ -13,8 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Focal length that is assumed if it cannot be determined. It is at most half the focus distance, because a
-/// lens cannot focus nearer than its focal length.
+/// Returns a focal length for lenses whose focal length the measurements do not determine. It is 50 mm, but
+/// at most half the focus distance, because a lens cannot focus nearer than its focal length.
 double example_focal_length_mm(double inverse_focus_per_m) {
     constexpr double usual_mm = 50;
     return inverse_focus_per_m > 0 ? std::min(usual_mm, 0.5 / inverse_focus_per_m / metres_per_mm) : usual_mm;
@@ -40,8 +40,9 @@ struct Difference {
     }
 };
 
-/// Fits the factor K and the inverse focus distance q to measured diameters c = K |q - x| of circles of
-/// confusion. x is the inverse depth.
+/// Result of fitting a thin lens to measured circles of confusion. At the inverse depth x, a circle of
+/// confusion has the diameter c = K |q - x|. The fit determines the factor K, in mm times m, and the inverse
+/// focus distance q, in 1/m. `error` is the sum of the squared residuals, in mm^2.
 struct LineFit {
     double K = 0, q = 0, error = std::numeric_limits<double>::infinity();
 };
@@ -55,8 +56,9 @@ LineFit fit_line(std::vector<CocPair> pairs) {
     // measurements count as behind the focus, and the others as in front of it. For each division, a line is
     // fitted to the diameters over the inverse depth. The line with the smallest error is kept.
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
-        // Counts the diameters of circles of confusion in front of the focus as negative. Diameters are then
-        // linear in the inverse distance x: c = K (q - x), with inverse focus distance q.
+        // Diameters of circles of confusion are K |q - x|, with the inverse distance x and the inverse focus
+        // distance q. To remove the absolute value, the diameters of points in front of the focus are counted
+        // as negative. Diameters are then linear in x: K (q - x). So a line can be fitted.
         double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const double x = 1 / pairs[i].distance_m, y = i < behind ? pairs[i].coc_mm : -pairs[i].coc_mm;
@@ -99,8 +101,10 @@ void check(std::span<const CocPair> pairs, const ThinLensFitRequest& request) {
 
 constexpr std::array<const char*, 3> names = {"F", "n", "s"};
 
-/// Returns the condition number of the Jacobian for the fitted parameters `free`. `weak` receives the
-/// parameter direction that the data determine least precisely.
+/// Returns the condition number of the fit. It is computed from the Jacobian `rows`, whose columns are the
+/// derivatives of the residuals with respect to F, n and s. Only the columns of the fitted parameters, with
+/// the indices `free`, are used. `weak` receives the combination of these parameters that the data determine
+/// least precisely.
 double condition_of(const std::vector<std::array<double, 3>>& rows, const std::vector<int>& free,
                     Eigen::VectorXd& weak) {
     Eigen::MatrixXd J(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(free.size()));

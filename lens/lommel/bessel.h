@@ -14,8 +14,8 @@ namespace postlens {
 /// starts there.
 [[nodiscard]] int bessel_last_order(double v);
 
-/// Tables of the Bessel functions J_0(v) and J_1(v) at v = 0, step, 2 step, .. Upward recurrences compute
-/// higher orders from them.
+/// Tables of the Bessel functions J_0(v) and J_1(v). Element i of a table is the value at v = i * step.
+/// Functions of higher orders need no tables, because upward recurrences compute them from these two.
 struct BesselGrid {
     double step = 0.5;
     std::vector<double> j0, j1;

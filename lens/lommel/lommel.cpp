@@ -12,8 +12,9 @@ namespace postlens {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// Below this defocus |u|, Lommel's series for optical radii v < |u| loses precision: its terms nearly
-/// cancel, and are divided by u^2.
+/// Below this defocus |u|, Lommel's series are not used inside the geometric disc, that is, for optical radii
+/// v < |u|. There, they lose precision: the terms of the intensity nearly cancel, and their sum is divided by
+/// the small u^2.
 constexpr double small_u = 8;
 
 double squared(double x) {
@@ -30,8 +31,9 @@ double lommel_sum(const std::vector<double>& j, double ratio, std::size_t first)
     return sum * std::pow(ratio, static_cast<double>(first));
 }
 
-/// Returns Q_2s(v) of Lommel's formulas for the encircled energy [born1999, 8.8, eq. 27]. `j` contains the
-/// Bessel functions J_0(v), J_1(v), ...
+/// Returns Q_2s(v), a sum of products of Bessel functions that occurs in Lommel's formulas for the encircled
+/// energy [born1999, 8.8, eq. 27]. `two_s` is the index 2 s. `j` contains the Bessel functions J_0(v),
+/// J_1(v), ...
 double q_function(const std::vector<double>& j, std::size_t two_s) {
     double sum = 0;
     for (std::size_t p = 0; p <= two_s; ++p) {
@@ -41,8 +43,9 @@ double q_function(const std::vector<double>& j, std::size_t two_s) {
     return sum;
 }
 
-/// Returns the sum of (-1)^s / (2 s + 1) ratio^(2 s) Q_2s(v) over s = 0, 1, ..., a part of Lommel's encircled
-/// energy [born1999, 8.8, eqs. 29 and 30]. `ratio` is u/v or v/u, and `j` holds J_0(v), J_1(v), ...
+/// Returns a series that occurs in Lommel's formulas for the encircled energy [born1999, 8.8, eqs. 29 and
+/// 30]. It is the sum of (-1)^s / (2 s + 1) ratio^(2 s) Q_2s(v) over s = 0, 1, ... `ratio` is u/v or v/u,
+/// with the defocus u and the optical radius v. `j` contains the Bessel functions J_0(v), J_1(v), ...
 double q_sum(const std::vector<double>& j, double ratio) {
     double sum = 0, power = 1;
     for (std::size_t s = 0; 2 * s + 2 < j.size() && power > 1e-18; ++s) {
@@ -58,8 +61,9 @@ double q_sum(const std::vector<double>& j, double ratio) {
 double intensity_by_quadrature(double u, double v) {
     u = std::abs(u);
     v = std::abs(v);
-    // Integrates J0(v p) exp(-i u p^2 / 2) p over the pupil radius p, in panels. The phase changes by at most
-    // u + v radians per unit of p, so by at most pi in one panel. 16 quadrature nodes then suffice.
+    // Integrates J0(v p) exp(-i u p^2 / 2) p over the radius p in the pupil, from 0 to 1. Per unit of p, the
+    // phase changes by at most u + v radians. Therefore, the interval is divided into so many panels that the
+    // phase changes by at most pi in each. In such a panel, 16 quadrature nodes suffice.
     const auto panels = static_cast<int>((u + v) / pi) + 1;
     double re = 0, im = 0;
     for (int i = 0; i < panels; ++i) {
@@ -81,8 +85,9 @@ double lommel_intensity(double u, double v) {
     if (v == 0) return squared(std::sin(u / 4) / (u / 4));
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
-        // At defocus u and radius v, the intensity is (2/u)^2 (U1^2 + U2^2), with the Lommel functions U1 and
-        // U2 [born1999, 8.8]. To avoid a division by u = 0, the sum `odd` is U1 / x, and `even` is U2 / x^2.
+        // At the defocus u and the radius v, the intensity is (2/u)^2 (U1^2 + U2^2), with the Lommel
+        // functions U1 and U2 [born1999, 8.8]. These are series in x = u / v. To avoid a division by u = 0, a
+        // factor is taken out of each series: `odd` is U1 / x, and `even` is U2 / x^2.
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {
@@ -103,8 +108,9 @@ double lommel_encircled_energy(double u, double v) {
     if (v == 0) return 0;
     const std::vector<double> j = bessel_orders(v);
     if (v > u || u < small_u) return 1 - q_sum(j, u / v);  // [born1999, 8.8, eq. 30]
-    // Fraction of the light within radius v, at defocus u >= v [born1999, 8.8, eq. 29]. The series Y1 of this
-    // equation sums the terms with Bessel functions of odd order, and Y2 those of even order.
+    // Computes the fraction of the light within the radius v, at a defocus u >= v [born1999, 8.8, eq. 29]. Y1
+    // and Y2 are two series of this equation. Y1 sums the terms that contain Bessel functions of odd order,
+    // and Y2 those of even order.
     const double x = v / u;
     double Y1 = 0, Y2 = 0, power = x;
     for (std::size_t n = 1; n < j.size() && power > 1e-18; ++n) {

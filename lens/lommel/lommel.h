@@ -1,7 +1,8 @@
-// Light near the focus of a circular aperture, by Lommel's functions (slow reference of radial_energy.h). The
-// optical coordinates are, for wavelength lambda, aperture diameter D and film distance V:
-// - defocus u = (2 pi / lambda) (D/2)^2 (1/s - 1/z), for focus distance s and depth z
-// - radius v = pi r D / (lambda V), at distance r from the centre; the geometric disc ends at v = |u|
+// Light near the focus of a circular aperture, computed by Lommel's functions. This is the slow reference of
+// radial_energy.h. Optical coordinates describe a point near the focus, for the wavelength lambda, the
+// aperture diameter D and the film distance V:
+// - defocus u = (2 pi / lambda) (D/2)^2 (1/s - 1/z), for the focus distance s and the depth z
+// - radius v = pi r D / (lambda V), at the distance r from the centre; the geometric disc ends at v = |u|
 #pragma once
 
 namespace postlens {

@@ -14,16 +14,17 @@ namespace {
 constexpr std::size_t lanes = 8;
 using Lanes = std::array<double, lanes>;
 
-/// Two series of Bessel functions J_n(v) that occur in Lommel's intensity, for eight values of v at once. x
-/// is the smaller of v/u and u/v, for defocus u.
-/// - `odd` sums (-1)^s x^(1+2s) J_(1+2s) over s = 0, 1, ..
-/// - `even` sums (-1)^s x^(2s) J_(2s) over s = 1, 2, ..
+/// Two series of Bessel functions J_n(v) from which Lommel's intensity is computed. Each is summed for eight
+/// values of the optical radius v at once. x is the smaller of v/u and u/v, with the defocus u.
+/// - `odd` is the sum of (-1)^s x^(1+2s) J_(1+2s)(v) over s = 0, 1, ..
+/// - `even` is the sum of (-1)^s x^(2s) J_(2s)(v) over s = 1, 2, ..
 struct SeriesLanes {
     Lanes odd{}, even{};
 };
 
-/// Sums the terms t_n = x^n J_n(v), with Bessel functions J_n, over odd n (`odd`) and over even n (`even`).
-/// The signs of consecutive terms in a sum alternate. Each term is computed from the two terms before it:
+/// Sums the terms t_n = x^n J_n(v) with Bessel functions J_n: `odd` over odd n, and `even` over even n from
+/// 2. The signs of consecutive terms in a sum alternate. The first terms are given by j0 and j1, the values
+/// J_0(v) and J_1(v). Each further term is computed from the two before it:
 ///
 ///     t_(n+1) = n c t_n - x^2 t_(n-1)    with c = 2 x / v
 ///
@@ -108,8 +109,9 @@ void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity) {
     assert(grid.j0.size() >= intensity.size());
     u = std::abs(u);
     const std::size_t count = intensity.size();
-    // The fast series below divides by the radius v, so it fails at v = 0. It loses precision if the defocus
-    // u is small and v <= u. In both cases, the slower lommel_intensity is used.
+    // The fast series below fail or lose precision at some radii. They divide by the optical radius v, so
+    // they fail at v = 0. If the defocus u is small, they lose precision for v <= u. At these radii, the
+    // slower function lommel_intensity computes the intensity.
     constexpr double tiny_u = 1e-9, small_u = 8;
     std::size_t i = 0;
     while (i < count && (i == 0 || (u < small_u && static_cast<double>(i) * grid.step <= u))) {

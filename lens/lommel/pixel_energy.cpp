@@ -48,8 +48,9 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     return std::copysign(sum * width / two_pi, x);
 }
 
-/// Returns the width, in px, over which diffraction fringes are averaged. Narrower fringes would fall between
-/// the quadrature nodes on a pixel border. 70 % of the nodes' distance gives the smallest error.
+/// Returns the width, in px, over which diffraction fringes are averaged before they are integrated along a
+/// pixel border. Narrower fringes would fall between the quadrature nodes on the border and falsify the
+/// integral. A width of 70 % of the distance between nodes gives the smallest error.
 double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }

@@ -10,8 +10,9 @@
 namespace postlens {
 namespace {
 
-/// Weights that integrate a table over one step, exact for the polynomial through the eight nearest entries.
-/// They are symmetric, so only four are stored.
+/// Weights that integrate a tabulated function over one step of the table. They use the eight nearest entries
+/// and are exact for the polynomial through these. The weights are symmetric about the middle of the step, so
+/// only four are stored.
 constexpr std::array<double, 4> middle_weights = {68323.0 / 120960, -9531.0 / 120960, 1879.0 / 120960,
                                                   -191.0 / 120960};
 constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a step
@@ -77,8 +78,9 @@ double RadialEnergy::within_integral(double v) const {
     const double slope0 = intensity_[i] * static_cast<double>(i) / 2 * step_ * step_;
     const double slope1 = intensity_[i + 1] * static_cast<double>(i + 1) / 2 * step_ * step_;
     const double rise = within_[i + 1] - within_[i];
-    // Integrates the encircled energy over the fraction t of this table step, as a cubic Hermite polynomial
-    // from w0 to w0 + rise with end slopes slope0 and slope1:
+    // Integrates the encircled energy from the begin of this table step over the fraction t of the step.
+    // Within the step, the energy is approximated by a cubic Hermite polynomial. It begins at w0 =
+    // within_[i], rises by `rise`, and has the slopes slope0 and slope1 (per step) at the ends:
     //
     //     w0 + slope0 t + (3 rise - 2 slope0 - slope1) t^2 + (slope0 + slope1 - 2 rise) t^3
     return within_sum_[i] + step_ * t *

@@ -24,11 +24,12 @@ class RadialProfile {
 
     /// Returns the fraction of the energy within a radius from 0 to end_px(), in px.
     [[nodiscard]] double within(double radius_px) const;
-    /// Returns the fraction of the energy within a radius, after averaging out diffraction fringes finer than
-    /// `width_px`. For a smooth profile, the error is proportional to width_px^4.
+    /// Returns the fraction of the energy within a radius, in px, as a smooth function of the radius:
+    /// diffraction fringes finer than `width_px` are averaged out. If the profile has no fringes, the
+    /// averaging causes an error that is proportional to width_px^4.
     ///
-    /// The average extends 3/2 width_px to both sides. So the radius must be at least this far from 0 and
-    /// from end_px().
+    /// The average uses radii up to 3/2 width_px to both sides of the given radius. Therefore, this radius
+    /// must be at least this far from 0 and from end_px().
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
     /// Returns the encircled energy smoothed_within(r, width_px), the fraction of the energy within the
     /// radius r, for `count` radii. This is faster than single calls. The first radius is begin_px. The

@@ -80,9 +80,10 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
         front.move(lens.surfaces[stop - 1].thickness_mm / checked_index(lens, stop - 1, wavelength_nm));
     }
     const Matrix back = between(lens, wavelength_nm, stop, count);
-    // A paraxial ray of height y and angle nu at the first surface meets the stop at the height front.a y +
-    // front.b nu. This is 0 for rays that aim at the centre z of the entrance pupil, the stop's image:
-    // y = -z nu. So z = front.b / front.a.
+    // Finds the entrance pupil, which is the image of the stop seen from the scene. A paraxial ray with the
+    // height y and the angle nu at the first surface meets the stop at the height front.a y + front.b nu. A
+    // ray that aims at the entrance pupil's centre, at the position z, has y = -z nu and meets the stop's
+    // centre, at height 0. Therefore, z is front.b / front.a.
     out.entrance_pupil_z_mm = front.b / front.a;
     out.exit_pupil_z_mm = 0 - behind * back.b / back.d;  // 0, not -0, if the stop is the last surface
     double radius = lens.surfaces[stop].clear_radius_mm;

@@ -50,8 +50,9 @@ struct Prescription {
     double wavelength_nm = d_line_nm;          ///< reference wavelength of the file's numbers
     std::optional<double> film_distance_mm;    ///< from the last vertex; absent: the rear focal point
     std::optional<double> object_distance_mm;  ///< from the first vertex; absent: infinity
-    /// At most one of these numbers is set, and determines how far the aperture stop opens. Without them, the
-    /// stop opens to its clear radius.
+    /// The diameter of the entrance pupil, in mm, and the f-number of the open lens. At most one of them is
+    /// set. It determines how far the aperture stop opens. If none is set, the stop opens to the clear radius
+    /// of its surface.
     std::optional<double> entrance_pupil_diameter_mm, f_number;
     std::optional<double> stated_focal_length_mm;  ///< as stated in the file, for comparison
     std::vector<double> field_angles_deg;          ///< fields listed in the file; may be empty
@@ -75,11 +76,12 @@ struct Prescription {
 /// Returns a hash of the numbers that determine the paths of rays at the prescription's wavelength.
 [[nodiscard]] std::uint64_t fingerprint(const Prescription& lens);
 
-/// Repairs neighbouring surfaces that cross, if they overlap by more than 1 % of their clear radii: both
-/// clear radii shrink to where the surfaces meet. A note is added.
+/// Repairs neighbouring surfaces that cross each other within their clear radii. If they overlap by more than
+/// 1 % of the clear radii, both radii are reduced to the radius at which the surfaces meet. A note for the
+/// user is added to `lens.notes`.
 ///
-/// If the surfaces meet within 1 % of their clear radii from the axis, they stay unchanged, and
-/// check_prescription rejects them.
+/// If the surfaces meet within 1 % of their clear radii from the axis, almost no opening would remain. Such
+/// surfaces stay unchanged, and check_prescription rejects them.
 void clip_crossings(Prescription& lens);
 
 /// Throws Error(invalid_input) "FILE:LINE: ..." unless:

@@ -137,8 +137,9 @@ bool SeqReader::surface_command(const std::string& key, const SeqWords& words) {
     return true;
 }
 
-// Reads the CODE V command CIR for a clear radius: CIR [Sk] [Zi] [CLR|EDG|OBS|HOL] radius. The words before
-// the radius may be in any order.
+// Reads the CODE V command CIR, which states the clear radius of a surface. Its form is CIR [Sk] [Zi]
+// [CLR|EDG|OBS|HOL] radius. Sk selects the surface, and CLR or EDG tells whether the radius is that of the
+// clear aperture or of the glass edge. The words before the radius may be in any order.
 void SeqReader::clear_radius(const SeqWords& words) {
     std::size_t next = 1;
     Surface* s = &addressed(words, next);
@@ -192,8 +193,8 @@ void SeqReader::system_command(const std::string& key, const SeqWords& words) {
             if (angle != 0) lens_.field_angles_deg.push_back(angle);
         }
     }
-    // Ignores CODE V commands that are not tested above, such as weights and displays, because they do not
-    // affect the shape of the lens.
+    // All other CODE V commands are ignored. They state, for example, weights or settings of displays, and do
+    // not affect the shape of the lens.
 }
 
 void SeqReader::command(int line, const SeqWords& words, bool glasses) {

@@ -11,8 +11,8 @@ namespace postlens {
 
 using SeqWords = std::vector<std::string_view>;
 
-/// Returns the commands of a file, each with its last line number. Comments are removed, and continued lines
-/// are joined.
+/// Splits the text of a CODE V file into commands. Each is returned with the number of its last line in the
+/// file. Comments are removed, and commands that continue on several lines are joined.
 ///
 /// Throws Error(invalid_input) if a command has more than 100000 characters.
 [[nodiscard]] std::vector<std::pair<int, std::string>> seq_commands(const std::string& text,
@@ -21,8 +21,8 @@ using SeqWords = std::vector<std::string_view>;
 /// Converts a word to upper case.
 [[nodiscard]] std::string upper_case(std::string_view word);
 
-/// Returns word `i` of a command as a number. Throws Error(invalid_input) if it is missing or not a finite
-/// number.
+/// Returns word number `i` of a command as a number. `file`, `line` and `what`, the name of the number, are
+/// used in error messages. Throws Error(invalid_input) if the word is missing or not a finite number.
 [[nodiscard]] double seq_number(const std::string& file, int line, const SeqWords& words, std::size_t i,
                                 std::string_view what);
 

@@ -208,8 +208,10 @@ void ZmxReader::finish_surface(ZmxSurface& from) {
         double power = mm_per_unit_;
         for (std::size_t i = 0; i < 8; ++i) {
             const auto found = from.parameters.find(static_cast<int>(i) + 1);
-            // The file's unit of length is U mm. The file gives the coefficient a_i of r^(2i) of an asphere
-            // in this unit. In mm, it is a_i U / U^(2i).
+            // Converts the coefficients of an asphere to mm. The file's unit of length is U mm
+            // (`mm_per_unit_`). In this unit, the file states the coefficient a_i of r^(2i). The sag is a
+            // length, and r^(2i) is the (2i)th power of a length. Therefore, the coefficient for mm is a_i U
+            // / U^(2i).
             power /= mm_per_unit_ * mm_per_unit_;
             if (found != from.parameters.end()) s.asphere[i] = found->second * power;
         }

@@ -94,8 +94,9 @@ double FanTable::light(double tangent) const {
     return glm::mix(light_[p.field], light_[p.field + 1], p.field_part);
 }
 
-// Returns an upper bound of a tabulated quantity: the larger of the two neighbouring table entries. Beyond
-// the end of the table, the bound grows linearly.
+// Returns an upper bound of a quantity that is tabulated over the inverse depth, as `values`. Between two
+// table entries, the bound is the larger of them. Beyond the end of the table, it grows linearly with the
+// distance from the end, because fans are extrapolated there.
 double FanTable::of_depth(const std::vector<double>& values, double inverse_depth_per_m) const {
     const Place p = place(inverse_depth_per_m, 0);
     const double low = values[p.depth], high = values[p.depth + 1];

@@ -9,11 +9,11 @@
 
 namespace postlens {
 
-/// A table of fans: bundles of rays from one object point through the lens. The points lie on a grid of
-/// inverse depths and tangents of the angle from the axis.
+/// A table of fans. A fan is a bundle of rays from one object point through the lens. The object points of
+/// the table lie on a grid of inverse depths and of tangents of the angle from the axis.
 ///
-/// Between grid points, fans are interpolated linearly (errors in docs/lens.md). Results are bit-identical
-/// for any number of threads.
+/// For object points between the grid's points, fans are interpolated linearly (errors in docs/lens.md).
+/// Results are bit-identical for any number of threads.
 class FanTable {
   public:
     /// Traces the table's fans for a grid of object points.
@@ -28,8 +28,8 @@ class FanTable {
     /// Returns the light that a pixel receives from a uniform scene, relative to the centre pixel. `tangent`
     /// is the tangent of the pixel's angle from the axis.
     [[nodiscard]] double light(double tangent) const;
-    /// Returns an upper bound of the blur kernel's radius at an inverse depth, as a fraction of the film
-    /// distance (so independent of the pixel size).
+    /// Returns an upper bound of the blur kernel's radius for object points at an inverse depth, in 1/m. The
+    /// radius is given as a fraction of the film distance, so it does not depend on the pixel size.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
     /// Returns an upper bound of how fast the blur kernel changes over the image, at one inverse depth. The
     /// kernel consists of the landing points of rays, relative to the pinhole image of the object point. If

@@ -36,8 +36,10 @@ class LandingResidual : public ceres::SizedCostFunction<1, static_cast<int>(poly
     double mm_;
 };
 
-// Signed distance from `at`, a point on the traced edge of the pupil, to the edge of the modelled pupil;
-// positive outside. The modelled pupil is the intersection of three circles.
+// Residual of the fit of the modelled pupil, which is the intersection of three circles. `at` is a point on
+// the edge of the traced pupil. The residual is the signed distance from this point to the modelled pupil's
+// edge, in pupil radii. It is positive outside. This is the largest of the signed distances to the three
+// circles.
 struct EdgeResidual {
     dvec2 at;
     double T = 0, K = 0;
@@ -99,8 +101,9 @@ void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres
     }
 }
 
-// Returns initial values for the three circles whose intersection models the pupil. They are the paraxial
-// images of the stop, of the rim of the first surface, and of the rim of the last surface.
+// Returns initial values for fitting the pupil model, which is the intersection of three circles. The circles
+// are the paraxial images, seen from the scene, of three openings: the stop, the rim of the first surface,
+// and the rim of the last surface.
 std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const TracedLens& traced,
                                             double radius_mm, double largest_tangent) {
     const FirstOrder& f = traced.first_order();

@@ -23,9 +23,10 @@ const char* name_of(LensModelKind kind) {
 void PolynomialLens::terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
                            std::array<double, polynomial_terms>& y) {
     const double r2 = u * u + v * v, T2 = T * T;
-    // Terms of the two polynomials for x and y of a ray's landing point on the film. They describe defocus,
-    // field curvature, astigmatism, spherical aberration and coma. By mirror symmetry, x is odd and y even in
-    // the pupil coordinate u, so `of_x` omits a factor u.
+    // `of_x` and `of_y` are the terms of two polynomials, which predict the coordinates x and y of a ray's
+    // landing point on the film. The terms describe defocus, field curvature, astigmatism, spherical
+    // aberration and coma. The lens is mirror symmetric, so x is odd in the pupil coordinate u, and y is
+    // even. `of_x` therefore omits a factor u, which is applied below.
     const std::array<double, pupil_terms> of_x{
         1,          T2,         T2 * T2,    r2,           r2 * T2,         r2 * r2,     v * T,
         v * T * T2, v * T * r2, v * v * T2, r2 * T2 * T2, v * T * T2 * T2, r2 * r2 * r2};
@@ -115,8 +116,9 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
 LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : traced_(&traced) {
     const FirstOrder& f = traced.first_order();
     pupil_radius_mm_ = 0.5 * f.entrance_pupil_diameter_mm * f.f_number / traced.f_number();
-    // `landing` returns the height, in mm, at which a paraxial ray meets the film (0 in focus). The ray goes
-    // from an object point on the axis through the entrance pupil at height 1 mm.
+    // `landing` returns the height, in mm, at which a paraxial ray meets the film. The ray starts at an
+    // object point on the axis and crosses the entrance pupil at the height 1 mm. If the object point is in
+    // focus, the height on the film is 0.
     const double nm = traced.wavelength_nm(), film = traced.film_distance_mm();
     const std::size_t last = lens.surfaces.size() - 1;
     const auto landing = [&](double inverse_depth_per_mm) {

@@ -29,12 +29,13 @@ struct ModelRay {
     bool passes = false;
 };
 
-/// Number of terms of the polynomial that predicts where a ray lands on the film. Its variables are the pupil
-/// point (u, v), in pupil radii with v along the field, and T. T is the tangent of the object point's angle
-/// from the axis, divided by the largest tangent.
+/// Number of terms of the polynomial lens model, which predicts where a ray lands on the film. The polynomial
+/// has three variables. u and v give the ray's point in the pupil, in pupil radii, with v along the field. T
+/// is the tangent of the object point's angle from the axis, divided by the largest tangent.
 inline constexpr std::size_t pupil_terms = 13;
-/// The polynomial lens model has each of these terms twice: alone, and multiplied by K. K is
-/// the defocus 1/z' - 1/s (depth z', focus distance s), divided by the largest defocus.
+/// The polynomial lens model contains each of the pupil_terms terms twice: once alone, and once multiplied by
+/// the defocus K. K is 1/z' - 1/s, for the object's depth z' and the focus distance s, divided by the largest
+/// defocus.
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
 /// One of the three circles whose intersection is the pupil of the polynomial lens model. Its centre and
@@ -46,8 +47,9 @@ struct PupilCircle {
     double shift = 0, bend = 0, radius = 1, growth = 0, shift_by_depth = 0, radius_by_depth = 0;
 };
 
-/// The polynomial model of a lens, made by `fit_polynomial_lens`. It consists of plain numbers that can be
-/// stored or passed to a renderer.
+/// The polynomial model of a lens: polynomials that predict where rays land on the film, and circles that
+/// tell which rays pass. The model is made by `fit_polynomial_lens`. It consists of plain numbers, so that it
+/// can be stored or passed to a renderer.
 struct PolynomialLens {
     double pupil_radius_mm = 1;        ///< unit of (u, v)
     double largest_tangent = 1;        ///< tangent at which T = 1
@@ -56,8 +58,9 @@ struct PolynomialLens {
     std::array<double, polynomial_terms> x_mm{}, y_mm{};
     std::array<PupilCircle, 3> circles{};
 
-    /// Computes where a ray lands on the film. Its object point has a depth > 0 and, along +y, an angle from
-    /// the axis with `tangent` >= 0. `pupil_mm` is on the plane of the paraxial entrance pupil.
+    /// Computes where a ray lands on the film according to this model. The ray starts at an object point with
+    /// the depth depth_m > 0. In the direction +y, this point has an angle from the axis whose tangent is
+    /// `tangent` >= 0. The ray crosses the plane of the paraxial entrance pupil at `pupil_mm`.
     [[nodiscard]] ModelRay ray(double depth_m, double tangent, glm::dvec2 pupil_mm) const;
     /// Evaluates the polynomial's terms for the landing point's x and y.
     static void terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
@@ -79,21 +82,21 @@ struct LensModelRange {
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
                                               int count);
 
-/// All models (LensModelKind) that predict where rays of one lens land on the film. `lens` and `traced` must
-/// outlive this object.
+/// All models of one lens that predict where its rays land on the film (LensModelKind), and their errors. The
+/// lens is given by its prescription `lens` and as `traced`. Both must outlive this object.
 class LensModels {
   public:
     LensModels(const Prescription& lens, const TracedLens& traced);
     void set_polynomial(const PolynomialLens& model) { polynomial_ = model; }
 
-    /// Returns where a ray lands on the film according to one of the lens models. `depth_m` and `tangent` (of
-    /// its angle from the axis) give the object point, and `pupil_mm` the ray's point in the entrance pupil.
-    /// Call set_polynomial before using the polynomial model.
+    /// Returns where a ray lands on the film according to one of the lens models. The ray starts at the
+    /// object point with the depth `depth_m` and the angle from the axis whose tangent is `tangent`. It
+    /// crosses the entrance pupil at `pupil_mm`. Call set_polynomial before using the polynomial model.
     [[nodiscard]] ModelRay ray(LensModelKind kind, double depth_m, double tangent, glm::dvec2 pupil_mm) const;
 
-    /// Returns the error of a lens model: the RMS distance on the film, in mm, between where it lets rays
-    /// land and where traced rays land. Rays are on a uniform grid in the pupil. Landing points are relative
-    /// to the chief ray's.
+    /// Returns the error of a lens model for one object point, in mm. It is the RMS distance on the film
+    /// between the landing points that the model predicts and those of traced rays. The rays form a uniform
+    /// grid in the pupil. All landing points are relative to that of the chief ray.
     [[nodiscard]] double error_mm(LensModelKind kind, double depth_m, double tangent) const;
     /// Returns a lens model's largest error, in mm, over all depths and field positions of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
@@ -115,9 +118,9 @@ class LensModels {
     double thick_at_infinity_ = 0, thick_per_depth_m_ = 0;
 };
 
-/// Fits the polynomial model to a traced lens, by least squares over a range of depths and fields. The
-/// model's pupil is the intersection of three circles. The fit starts with the paraxial images of the stop
-/// and the lens rims.
+/// Fits the polynomial model to a traced lens, by least squares. The rays for the fit start at object points
+/// with the depths and field angles of `range`. The model's pupil is the intersection of three circles. The
+/// fit of these circles starts with the paraxial images of the stop and the lens rims.
 ///
 /// Equal input gives bit-identical results.
 [[nodiscard]] PolynomialLens fit_polynomial_lens(const Prescription& lens, const TracedLens& traced,

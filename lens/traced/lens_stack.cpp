@@ -68,13 +68,14 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
     bool met = discriminant >= 0;
     if (met) {
         const double root = sign * std::sqrt(discriminant);
-        // a t^2 - 2 b t + f = 0 has the solution t = f / (b + root) = (b - root) / a. Of these equal forms,
-        // computes the one in which no digits cancel.
+        // The equation a t^2 - 2 b t + f = 0 has the solution t = f / (b + root) = (b - root) / a. Both forms
+        // are equal, but if b and `root` nearly cancel, rounding falsifies their sum or difference.
+        // Therefore, the form is used in which they do not cancel.
         const double divisor = b * sign >= 0 ? b + root : a;
         if (divisor != 0) p += (b * sign >= 0 ? f : b - root) / divisor * d;
         met = divisor != 0 || f == 0;
-        // Rejects an intersection with the far half of an ellipsoid. The lens surface is only the half around
-        // the vertex.
+        // An ellipsoid has two halves, but the lens surface is only the half around the vertex. An
+        // intersection with the other half therefore does not count.
         met = met && 1 - e.c * q * p.z > 0;
     }
     if (e.is_asphere) {

@@ -18,8 +18,9 @@ constexpr std::size_t chief_rays = 257;
 /// Field tangent (tangent of the angle from the axis) at which the paraxial image scale is measured.
 constexpr double small_tangent = 1e-4;
 
-// Returns how far from the film centre the ray from an object point through the stop's centre lands, or a
-// negative number if it is blocked.
+// Returns how far from the film centre, in mm, the chief ray of an object point lands. The chief ray is the
+// ray that passes through the stop's centre. Returns a negative number if this ray cannot pass the lens
+// surfaces.
 double chief_radius_mm(const TracedLens& lens, double depth_m, double tangent) {
     const dvec2 field(0, tangent);
     const std::optional<dvec2> aim = lens.aim_at_stop(depth_m, field);
@@ -94,7 +95,8 @@ double LensView::light(double tangent) const {
             (weight(middle + a / 2.0) + weight(middle + b / 2.0) + weight(middle + (a + b) / 2.0)) / 3;
         sum += std::abs(a.x * b.y - a.y * b.x) / 2 * mean;
     }
-    // The region of lens points where rays pass is symmetric about x = 0, and only one half was integrated.
+    // The sum covers one half of the region of lens points through which rays pass. The region is symmetric
+    // about x = 0, so the other half receives the same light.
     return 2 * sum;
 }
 

@@ -57,8 +57,8 @@ class LensView {
     [[nodiscard]] double film_radius_mm(double tangent) const noexcept;
     /// Derivative of film_radius_mm with respect to the tangent.
     [[nodiscard]] double film_mm_per_tangent(double tangent) const noexcept;
-    /// Inverts the lens's distortion: returns the direction that a film point shows, as tangents in camera
-    /// axes (x right, y up).
+    /// Inverts the lens's distortion: converts a film point to the direction of the object point that appears
+    /// there. The direction is returned as two tangents in camera axes (x right, y up).
     [[nodiscard]] glm::dvec2 straightened(glm::dvec2 film_mm) const noexcept;
 
   private:

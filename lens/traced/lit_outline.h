@@ -11,8 +11,9 @@
 
 namespace postlens {
 
-/// Finds the outline of the region in which rays from an object point pass a lens. `passes(p)` tells whether
-/// the ray through the point p of a plane passes. `scale` is the region's approximate width.
+/// Finds the outline of the region in which rays from an object point pass a lens. The region lies in a plane
+/// that the rays cross. `passes(p)` tells whether the ray through the point p of this plane passes the lens.
+/// `scale` is the approximate width of the region.
 ///
 /// The region must be star-shaped, and symmetric about x = 0. This is so if the object point lies on the +y
 /// axis.
@@ -38,8 +39,9 @@ class LitOutline {
     }
 
   private:
-    /// Number of bisection steps that find the edge of the region in which rays pass the lens. They divide
-    /// the initial interval by 2^18.
+    /// The edge of the region in which rays pass the lens is found by bisection, along each spoke from the
+    /// region's centre. This is the number of bisection steps. They reduce the initial interval to 2^-18 of
+    /// its length.
     static constexpr int halvings = 18;
     static constexpr int search_cells = 24;
 
@@ -82,8 +84,8 @@ class LitOutline {
         }
     }
 
-    // Returns y of the centroid of a region that is symmetric about x = 0. `edge` is the outline of one of
-    // its halves.
+    // Returns the coordinate y of the centroid of a region that is symmetric about x = 0. Its coordinate x is
+    // 0. `edge` is the outline of the half with x >= 0.
     [[nodiscard]] static double centroid_y(const Edge& edge) {
         double area = 0, moment = 0;
         for (std::size_t j = 0; j < spokes; ++j) {

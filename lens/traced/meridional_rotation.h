@@ -4,8 +4,9 @@
 
 namespace postlens {
 
-/// Rotates p by the rotation that turns +y into the unit vector `axis`. Valid whether y points down (raster)
-/// or up (camera), because lenses are symmetric about their axis.
+/// Rotates the point p about the origin. The rotation is the one that turns +y into the unit vector `axis`.
+/// The result is the same whether y points down (raster) or up (camera), because lenses are symmetric about
+/// their axis.
 inline glm::dvec2 turned(const glm::dvec2& p, const glm::dvec2& axis) {
     return {p.x * axis.y + p.y * axis.x, -p.x * axis.x + p.y * axis.y};
 }

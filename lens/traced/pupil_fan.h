@@ -12,8 +12,9 @@
 
 namespace postlens {
 
-/// Traced rays of an object point on the +y axis. The points where they cross the pupil form a mesh of rings
-/// and spokes, from the centre to the edge of the area through which light passes.
+/// A fan: the traced rays of one object point on the +y axis through the lens. The points at which the rays
+/// cross the pupil form a mesh of rings and spokes. The mesh extends from the centre to the edge of the area
+/// through which light passes.
 struct PupilFan {
     static constexpr std::size_t rings = 12;
     static constexpr std::size_t spokes = 48;  ///< directions over half a turn of the pupil, from +y to -y
@@ -26,7 +27,8 @@ struct PupilFan {
         glm::dvec2 landing{0};  ///< tangent of the landing pixel minus that of the object point
         double light = 0;       ///< light per area of the plane of the pinhole
     };
-    /// Rays through the half of the pupil with x >= 0. Rays with x < 0 are mirror images and are not stored.
+    /// Rays through the half of the pupil with x >= 0, ring by ring. The rays through the other half are
+    /// their mirror images, because the object point lies on the y axis. Therefore, they are not stored.
     std::array<Node, (rings + 1) * (spokes + 1)> nodes;
 
     [[nodiscard]] Node& at(std::size_t ring, std::size_t spoke) { return nodes[ring * (spokes + 1) + spoke]; }
@@ -35,11 +37,12 @@ struct PupilFan {
     }
 };
 
-/// Traces a fan: rays from one object point through the lens. Returns false if no light passes.
+/// Traces a fan, a bundle of rays from one object point through the lens. Returns false if no light passes.
 /// - inverse_depth_per_m: inverse depth of the object point; 0 at infinity, negative for converging light
 /// - tangent: tangent of the object point's angle from the axis, >= 0
-/// - near_m: pupil point where the search for passing rays begins; set to the centre of the passing rays
-/// - out: the fan; unchanged if no light passes
+/// - near_m: pupil point at which the search for passing rays begins; the function sets it to the centre of
+///   the passing rays
+/// - out: receives the fan; unchanged if no light passes
 [[nodiscard]] bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
                              glm::dvec2& near_m, PupilFan& out);
 
@@ -57,9 +60,10 @@ struct FanImage {
 /// the landing point of one of these rays.
 [[nodiscard]] double fan_reach_px(const PupilFan& fan, const FanImage& image);
 
-/// Computes the impulse response on the pixel grid. The rays of `fan` form a mesh, and the light of each mesh
-/// cell is spread uniformly over the area between its rays' landing points. Values add up to 1, except for
-/// light outside `window`.
+/// Computes the impulse response of an object point on the pixel grid, within `window`. The rays of `fan`
+/// form a mesh in the pupil. The light through each cell of this mesh is spread uniformly over the area
+/// between the landing points of the cell's rays. The values add up to 1, except for light that falls outside
+/// `window`.
 [[nodiscard]] ResponseGrid fan_response(const PupilFan& fan, const FanImage& image,
                                         const PixelWindow& window);
 

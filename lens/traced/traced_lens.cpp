@@ -110,8 +110,9 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
     if (tangent == 0) return dvec2(0);
     const dvec2 axis = field / tangent;
     const double scale = 0.5 * first_order_.entrance_pupil_diameter_mm;
-    // Finds the pupil point whose ray passes through the stop's centre, by the secant method. Steps are at
-    // most one pupil radius, because rays aimed farther away miss the lens.
+    // Finds the chief ray: the point of the entrance pupil whose ray passes through the stop's centre.
+    // `height` is the height at which a ray meets the stop, and the secant method finds its zero. Each step
+    // is limited to one pupil radius, because rays that are aimed farther away miss the lens.
     const auto aimed = [&](double t, double start) -> std::optional<double> {
         const auto height = [&](double y) { return stack_.at_stop(object_ray(depth_m, {0, t}, {0, y})).y; };
         double y0 = start, f0 = height(y0), y1 = start + 0.01 * scale, f1 = height(y1);
@@ -383,8 +384,9 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
     const dvec2 centre = aim.value_or(dvec2(0));
     Box box = passing_pupil(depth_m, field, {centre - 2.5 * radius, centre + 2.5 * radius});
     if (box.empty() && std::isfinite(stack_.clear_radius_mm(0))) {
-        // No ray passes near the expected pupil centre `centre`, because strong aberrations have moved the
-        // pupil. So the search is repeated among all rays that meet the first lens surface.
+        // No ray passes the lens near `centre`, the point of the pupil at which the passing rays were
+        // expected, because strong aberrations have moved the pupil. Therefore, the search is repeated among
+        // all rays that meet the first lens surface.
         const LensRay through_vertex = object_ray(depth_m, field, dvec2(0));
         const dvec2 middle = dvec2(0) - (through_vertex.at_z(0) - dvec2(through_vertex.origin));
         const double clear = 1.1 * stack_.clear_radius_mm(0);

@@ -23,9 +23,9 @@ enum class FocusMove {
 };
 
 struct TracedLensSettings {
-    /// Focus distance s > 0, measured from the pinhole of the camera; may be infinite. If it is absent, the
-    /// film is where the lens prescription places it, or where infinity is in focus if the prescription does
-    /// not say.
+    /// Focus distance s > 0, in m, measured from the pinhole of the camera. It may be infinite. If it is
+    /// absent, the film is at the position that the lens prescription states. If the prescription states
+    /// none, the film is where infinity is in focus.
     std::optional<double> focus_distance_m;
     std::optional<double> f_number;       ///< finite, not below that of the open lens; absent: wide open
     std::optional<double> wavelength_nm;  ///< absent: the prescription's
@@ -41,8 +41,9 @@ struct SceneRay {
     double weight = 0;  ///< see TracedLens::scene_ray
 };
 
-/// Rays from one object point through a grid of points in the entrance pupil. Their landing points represent
-/// the object point's impulse response. A PupilMesh that is filled again reuses its memory.
+/// Rays from one object point through a grid of points in the entrance pupil. Their landing points on the
+/// film represent the object point's impulse response. A PupilMesh can be filled several times, and then
+/// reuses its memory.
 struct PupilMesh {
     int nodes = 0;  ///< rays along each side of the grid; ray (i, j) has the index j * nodes + i
     std::vector<glm::dvec2> pupil_mm;  ///< on the plane of the paraxial entrance pupil
@@ -106,8 +107,9 @@ class TracedLens {
     /// Returns the ray from an object point through a point of the entrance pupil's plane, before it enters
     /// the lens.
     [[nodiscard]] LensRay object_ray(double depth_m, glm::dvec2 field, glm::dvec2 pupil_mm) const noexcept;
-    /// Finds where a ray from an object point must cross the entrance pupil's plane to pass through the
-    /// stop's centre [welford1986, 5]. Empty if no such ray exists.
+    /// Finds the chief ray of an object point, which is the ray that passes through the stop's centre
+    /// [welford1986, 5]. Returns the point, in mm, at which it crosses the plane of the entrance pupil. The
+    /// result is empty if no such ray exists.
     [[nodiscard]] std::optional<glm::dvec2> aim_at_stop(double depth_m, glm::dvec2 field) const noexcept;
     [[nodiscard]] glm::dvec2 on_film(const LensRay& ray) const noexcept {
         return ray.at_z(film_from_vertex_mm_);

@@ -104,8 +104,9 @@ void cut_to_circle(double centre_x, double centre_y, double radius_px, ResponseG
 }  // namespace
 
 double radius_of_tail(double u, double tail) {
-    // Solves (2/pi) v / (v^2 - u^2) = tail for the radius v, in optical units like the defocus u. The left
-    // side is approximately the fraction of the energy that diffraction spreads beyond v.
+    // Solves (2/pi) v / (v^2 - u^2) = tail for the radius v. u is the defocus. Both are in optical units. The
+    // left side is approximately the fraction of the energy that diffraction spreads beyond the radius v. So
+    // the fraction `tail` of the energy lies beyond the returned radius.
     const double a = 1 / (std::numbers::pi * tail);
     return a + std::hypot(a, u);
 }

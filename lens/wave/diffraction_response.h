@@ -16,13 +16,15 @@ struct DiffractionSettings {
     Spectrum spectrum = channel_bands();
     double centre_x = 0, centre_y = 0;  ///< point's geometric image, px from the response's raster position
     /// Largest fraction of an impulse response's energy, between 0 and 1, that may lie beyond the edge of its
-    /// pixel grid. This fraction decreases only as 1 / radius, so small fractions need large grids.
+    /// pixel grid. The size of the grid follows from it. The fraction decreases only as 1 / radius, so small
+    /// fractions need large grids.
     ///
-    /// At 0.01, the grid ends about 8 Airy radii outside a strongly defocused disc.
+    /// For example, with 0.01, the grid of a strongly defocused disc ends about 8 Airy radii outside the
+    /// disc.
     double tail = 0.01;
     double max_radius_px = 1024;  ///< largest radius of the grid, for any tail
-    /// If true, the energy beyond the pixel grid is distributed over the grid's pixels, in proportion to
-    /// their values, so that they sum to 1.
+    /// If true, the energy that falls beyond the edge of the pixel grid is added to the pixels of the grid,
+    /// in proportion to their values. Therefore, the values sum to 1. If false, this energy is lost.
     bool fold_tail = true;
     PixelEnergySettings pixels;
 };

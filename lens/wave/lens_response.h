@@ -48,15 +48,17 @@ struct LensResponse {
     /// Diameter of the circle that contains half of the energy. Unlike `fwhm_px`, it does not depend on
     /// single bright fringes. Absent if it exceeds the grid.
     std::optional<double> half_energy_diameter_px;
-    /// Radial profile of the impulse response, from the centre to half the grid's width. If possible, it has
-    /// four uniform samples per unit of the optical radius v, but always 512 to 8192 samples.
+    /// Radial profile of the impulse response: samples of the intensity and of the encircled energy, at radii
+    /// from 0 to half the grid's width. The radii are uniformly spaced, with four samples per unit of the
+    /// optical radius v. But there are at least 512 and at most 8192 samples.
     std::vector<RadialSample> profile;
 };
 
-/// Computes a lens's impulse response for one scene point.
+/// Computes the impulse response of a lens for one scene point, as an image, as a radial profile, and as
+/// characteristic diameters.
 ///
-/// Throws Error(wrong_arguments) if a number is out of range, or for diffraction by a pinhole. Throws
-/// Error(out_of_memory), with the required memory.
+/// Throws Error(wrong_arguments) if a number is out of range, or if diffraction is requested for a pinhole.
+/// Throws Error(out_of_memory), with the required memory.
 [[nodiscard]] LensResponse lens_response(const LensResponseRequest& request);
 
 }  // namespace postlens

@@ -16,12 +16,14 @@ struct SpectralLine {
 /// Spectral lines whose weights add up to 1 in every channel.
 using Spectrum = std::vector<SpectralLine>;
 
-/// Returns a band of wavelengths for each channel, under white light: lines from 440 to 632 nm, 32 nm apart.
-/// The weight at wavelength lambda is
+/// Returns spectral lines that sample a band of wavelengths for each colour channel, under white light. The
+/// lines lie 32 nm apart, from 440 to 632 nm. In each channel, the weight of the wavelength lambda is
+/// proportional to
 ///
 ///     cos^2(pi (lambda - c) / (2 w))  for |lambda - c| < w = 64 nm
 ///
-/// The centres c (611, 549, 464 nm) are the dominant wavelengths of Rec.709 [itu-bt709].
+/// c is the centre of the channel's band: 611 nm for R, 549 nm for G, and 464 nm for B. These are the
+/// dominant wavelengths of Rec.709 [itu-bt709].
 [[nodiscard]] Spectrum channel_bands();
 
 /// Returns a spectrum in which all wavelengths have equal weight in every channel.

@@ -14,11 +14,13 @@ namespace {
 constexpr int tile = 64;
 constexpr int lanes = 8;
 constexpr int vectors = tile / lanes;
-/// Number of products (pixel times weight) that are summed as floats before they are added to a double. It
-/// keeps the rounding error below 34 * 2^-24 of the sum.
+/// Number of products (pixel times weight) that are summed as floats, before their sum is added to a double.
+/// The conversion of the weight to float, the product and up to 32 additions each have a relative rounding
+/// error of at most 2^-24. Therefore, the error is below 34 * 2^-24 of the sum of such a group.
 constexpr std::size_t terms_per_flush = 32;
-/// Time to apply a run of equal neighbouring kernel weights to a row of pixels. The unit is the time to apply
-/// one weight.
+/// Time to apply a run to a row of pixels. A run is a sequence of equal neighbouring weights of the blur
+/// kernel, which are applied at once. The unit is the time to apply one weight. Therefore, shorter runs are
+/// applied weight by weight.
 constexpr int run_cost = 6;
 /// Relative difference up to which two weights of the blur kernel count as equal. Rounding makes equal
 /// weights differ slightly.
@@ -90,8 +92,10 @@ struct Orientation {
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
-    // Runs of equal weights are found only along rows. If columns have longer runs, the images are
-    // transposed, which takes as long as applying about 12 weights.
+    // A run is a sequence of equal neighbouring weights of the blur kernel. It is applied to the object's
+    // image at once, which saves time. Runs are found only along rows. If the columns of the kernel contain
+    // longer runs, kernel and image are therefore transposed before the convolution, and the result
+    // afterwards. `turning` is the cost of transposing. The unit is the time to apply one weight.
     constexpr double turning = 12;
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
@@ -120,8 +124,10 @@ struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// A run of equal weights in a row of the blur kernel. It adds weight * (sum[high] - sum[low]) to the
-/// computed pixel, where `sum` contains the prefix sums of an image row.
+/// A run of equal neighbouring weights in a row of the blur kernel. The pixels that it covers in a row of the
+/// object's image are summed by a difference of two prefix sums. So the run adds weight * (sum[high] -
+/// sum[low]) to the computed pixel. `sum` contains the prefix sums of the image row, and `high` and `low` are
+/// memory offsets relative to this pixel.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
@@ -130,8 +136,9 @@ struct Terms {
     std::vector<CellTerm> cells;
     std::vector<RunTerm> runs;
 };
-/// A row of the blur kernel. `columns` contains its nonzero weights. The single weights are Terms::cells
-/// [cells_begin, cells_end), and the runs are Terms::runs [runs_begin, runs_end).
+/// A row of the blur kernel. `columns` is the range of its nonzero weights. Runs of equal neighbouring
+/// weights are applied at once. They are the elements Terms::runs [runs_begin, runs_end). All other weights
+/// are applied singly. They are the elements Terms::cells [cells_begin, cells_end).
 struct PathRow {
     int y;
     ColumnRange columns;
@@ -165,8 +172,9 @@ void add_runs(const double* running, std::ptrdiff_t at, const RunTerm* terms, st
     }
 }
 
-/// Convolves the object's image directly, `tile` columns of the result at once. A tile may need pixels beyond
-/// the ends of an image row, so the rows are padded with zeros.
+/// Convolves the image of a moving object directly, as a sum over the weights of the blur kernel. `tile`
+/// neighbouring columns of the result are computed at once. Such a tile may need pixels beyond the ends of an
+/// image row. Therefore, the rows are padded with zeros.
 class DirectConvolution {
   public:
     DirectConvolution(const ConvolutionTask& task, PathRuns runs)
@@ -184,8 +192,9 @@ class DirectConvolution {
     }
 
     void run(Planes& result) const {
-        // Each thread task computes 64 x 64 cells of the blurred image. Neighbouring rows of this block read
-        // mostly the same rows of the object's image, which stay in the cache.
+        // The result, the blurred image, is divided into blocks of 64 x 64 cells. Each task of parallel_for
+        // computes one block, row by row. Neighbouring rows of a block are computed mostly from the same rows
+        // of the object's image. These rows stay in the cache, because a block is narrow.
         constexpr int band = 64;
         const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
         const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);
@@ -254,8 +263,10 @@ class DirectConvolution {
             if (from < source_.y_begin) break;
             if (from >= source_.y_end) continue;
             const ColumnRange c = task_.columns(from);
-            // This kernel row multiplies only row `from` of the object's image, whose nonzero columns are
-            // `c`. If none of them reaches the tile, the kernel row adds nothing.
+            // For row y of the result, this row of the blur kernel is applied to only one row of the object's
+            // image, `from`. The nonzero values of this image row lie in the columns `c`. Shifted by the
+            // kernel's columns, they may all miss the `tile` columns of the result that begin at x. In this
+            // case, the kernel row adds nothing and is skipped.
             if (x - row.columns.end + 1 >= c.end || x + tile - row.columns.begin <= c.begin) continue;
             const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
             terms.cells.insert(terms.cells.end(), all_.cells.begin() + at(row.cells_begin),
@@ -324,8 +335,11 @@ double direct_cost_s(const ConvolutionTask& task) {
     // Fraction of the full convolution's result that is computed.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    // Times in s per value, measured with the benchmark `one_object/direct`. Padding copies the image: above
-    // `large_values` values, this is slower, because the operating system must first provide memory pages.
+    // Constants that predict the time of a convolution, in s. They were measured with the benchmark
+    // `one_object/direct`. `s_per_cell` is the time to apply one weight of the blur kernel to one value of
+    // the object's image. `s_per_copy` is the time per value to copy this image with a padding of zeros. The
+    // copy is slower for more than `large_values` values, because the operating system must then provide new
+    // memory pages.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
     const double s_per_sum = 2 * s_per_copy;

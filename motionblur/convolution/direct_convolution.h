@@ -5,8 +5,9 @@
 
 namespace postlens {
 
-/// Writes the convolution of `task` (an object's image with its path) into the cells `task.out` of `result`.
-/// These cells must be 0 before the call.
+/// Convolves the image of a moving object with the blur kernel, which is an image of the object's motion
+/// path. `task` refers to both. The blurred image is written to the cells `task.out` of `result`, which must
+/// be 0 before the call.
 void convolve_direct(const ConvolutionTask& task, Planes& result);
 
 /// Returns the predicted time of one thread, in seconds.

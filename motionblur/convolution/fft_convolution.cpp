@@ -28,11 +28,14 @@ struct Axis {
     int s0, s1, p0, p1, o0, o1;
 };
 
-/// Returns the smallest FFT size for which the convolution's result is correct at the indices [x0, x1). An
-/// FFT convolution is periodic, so its repetitions must not overlap this range.
+/// Returns the smallest FFT size for which the result of a convolution is correct at the indices [x0, x1) of
+/// one axis. A convolution by FFT is periodic, with the size as its period. Its repetitions must not overlap
+/// these indices.
 int needed_size(const Axis& axis, int x0, int x1) {
-    // Only the indices [a, b) of the object's image contribute to the result in [x0, x1). If there are none,
-    // the result is 0, so any size is correct.
+    // [x0, x1) are the indices of the result for which the FFT size is determined. The blur kernel shifts
+    // values of the object's image by its indices [p0, p1). Therefore, only the indices [a, b) of the
+    // object's image contribute to these results. If this range is empty, the results are 0. Then every FFT
+    // size is correct, so 1 is returned.
     const int a = std::max(axis.s0, x0 - axis.p1 + 1), b = std::min(axis.s1, x1 - axis.p0);
     if (a >= b) return 1;
     return std::max({b + axis.p1 - 1 - x0, x1 - a - axis.p0, x1 - x0, b - a, axis.p1 - axis.p0});
@@ -267,8 +270,10 @@ class FftConvolution {
         }
     }
 
-    /// Copies one colour or coverage plane of the object's image to the FFT's input `cells`, as far as it
-    /// contributes to `block`. Returns whether no copied value is negative.
+    /// Copies one colour or coverage plane of the moving object's image to `cells`, the input of the FFT.
+    /// `block` is the part of the blurred image that is computed. Only those pixels are copied that the
+    /// convolution with the blur kernel can spread into `block`. All other cells become 0. Returns true if no
+    /// copied value is negative.
     bool lay_source(std::size_t plane, const CellWindow& block, float* cells) const {
         std::fill_n(cells, width_ * height_, 0.0F);
         const CellWindow &s = task_.source, &p = task_.path;

@@ -5,8 +5,9 @@
 
 namespace postlens {
 
-/// Convolves the object's image with the blur kernel, and writes the window `task.out` of the result to
-/// `result`. This window must be 0 before the call.
+/// Convolves the image of a moving object with the blur kernel, an image of its motion path. `task` refers to
+/// both. The window `task.out` of the blurred image is written to `result`, and this part of `result` must be
+/// 0 before the call.
 void convolve_fft(const ConvolutionTask& task, Planes& result);
 
 /// Returns the predicted time of one thread, in seconds.

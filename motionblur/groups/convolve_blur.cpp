@@ -12,12 +12,16 @@
 namespace postlens {
 namespace {
 
-/// Moving groups divide the depth of a pixel into intervals. This is a sum over the samples of static
-/// surfaces in one interval, weighted by the area of each sample.
+/// The depths of the groups of moving objects divide the depth range of a pixel into intervals: in front of
+/// the nearest group, between two groups, and behind the farthest group. This struct describes the static
+/// surfaces in one interval. It sums their colours over the pixel's samples, weighted by the area that each
+/// sample represents.
 struct Between {
     std::array<double, 3> colour{};
-    /// Static surfaces of this interval cover the fraction covered / known of the pixel. Both are sums of
-    /// sample areas. If a sample records only surfaces in front of the interval, `known` does not count it.
+    /// Sums of sample areas in one pixel, for one interval of depth. `covered` is the area of the samples
+    /// that show a static surface in this interval. `known` is the area of the samples that record whether
+    /// there is one. If a sample records only surfaces in front of the interval, `known` does not count it.
+    /// So static surfaces cover the fraction covered / known of the pixel.
     double covered = 0, known = 0;
 };
 
@@ -117,8 +121,10 @@ class Composite {
                 known = std::max(known, static_cast<std::size_t>(g));
                 continue;
             }
-            // Number of moving groups in front of the static surface s, which is the index of its depth
-            // interval. `depths_` holds the groups' inverse depths in descending order.
+            // The depths of the groups of moving objects divide the depth range into intervals. `rank` is the
+            // index of the interval that contains the static surface s. It is the number of moving groups in
+            // front of s. `depths_` holds the inverse depths of the groups in descending order, so this
+            // number is found by a binary search.
             const auto rank = static_cast<std::size_t>(
                 std::partition_point(depths_.begin(), depths_.end(),
                                      [&](double depth) { return depth > static_cast<double>(s.inverse_z); }) -
@@ -177,17 +183,20 @@ class Composite {
     std::vector<double> depths_;  ///< inverse depths of the moving groups, 1/m, from near to far
 };
 
-/// Compositing mean images is wrong where the coverage of a nearer moving group and the light of a farther
-/// one vary together. Returns an upper bound of the squared error, summed over pixels: variance of the
-/// coverage times variance of the light, for radiances up to 1.
+/// Each moving group is composited with its mean coverage and mean light during the exposure. The result is
+/// wrong where the coverage of the nearer group and the light of the farther group vary together. In each
+/// pixel, the error is their covariance. Its square is at most the product of their variances. Returns the
+/// sum of bounds of this product over all pixels, for radiances up to 1.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {
         for (int x = std::max(nearer.x_begin, farther.x_begin); x < std::min(nearer.x_end, farther.x_end);
              ++x) {
             const double c = std::clamp(static_cast<double>((*nearer.at(x, y))[3]), 0.0, 1.0);
-            // During the exposure, the nearer group's coverage of the pixel varies within [0, 1], with mean
-            // c. So the variance of this coverage is at most c (1 - c).
+            // c is the mean coverage of the pixel by the nearer of the two groups. During the exposure, this
+            // coverage varies between 0 and 1, so its variance is at most c (1 - c). The light of the farther
+            // group has at most the variance of its mean coverage, for radiances up to 1. The product of both
+            // bounds the squared error.
             sum += c * (1 - c) * std::clamp(static_cast<double>((*farther.at(x, y))[3]), 0.0, 1.0);
         }
     }

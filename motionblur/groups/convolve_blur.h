@@ -12,13 +12,14 @@
 
 namespace postlens {
 
-/// The error where two groups of moving objects pass over the same pixels. Compositing uses the mean coverage
-/// and mean light of each group during the exposure. It is wrong if the farther group is bright just while
-/// the nearer group hides it, or does not.
+/// The error where two groups of moving objects pass over the same pixels. For each group, compositing uses
+/// its mean coverage and mean light during the exposure. This assumes that the two groups pass independently
+/// of each other. The result is wrong, for example, if the nearer group hides a pixel just while the farther
+/// group is bright there.
 struct Crossing {
     std::size_t other = 0;  ///< index of the crossing group with the largest error
-    /// Upper bound of the mean squared error of compositing, over the pixels that this moving group passes.
-    /// It holds for radiances up to 1.
+    /// Upper bound of the error of compositing, as a mean of squared errors over the pixels over which this
+    /// moving group passes. The bound holds for radiances up to 1.
     double most_mse = 0;
 };
 

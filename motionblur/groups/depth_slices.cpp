@@ -13,8 +13,9 @@ namespace {
 
 using glm::dvec2;
 
-/// Largest difference between the displacements of neighbouring depth slices, each of which moves as a whole.
-/// Smaller values do not increase the PSNR.
+/// A moving object with parallax is divided into depth slices, each of which moves as a whole. This is the
+/// largest accepted difference, in px, between the displacements of neighbouring slices. Smaller differences
+/// need more slices but do not increase the PSNR.
 constexpr double step_px = 4;
 
 /// Returns the gradient of the inverse depth across `leaf` (a pixel or a part of it), in 1/m per px.
@@ -112,9 +113,11 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // v, the relative change of a surface element's area, is linear in its displacement, between `low` and
-    // `high`. The visible area is max(0, 1 + v), because the element faces away below v = -1. It is replaced
-    // by the linear function area * (1 - v / low), which has the same mean over uniformly distributed v.
+    // v is the relative change of a surface element's area in the image, from `low` to `high`. It is linear
+    // in the element's displacement. If v < -1, the element faces away and is invisible, so its visible area
+    // is max(0, 1 + v). But only areas that are linear in the displacement can be drawn. Therefore, the
+    // function area * (1 - v / low) replaces it. Both functions have the same mean if all v are equally
+    // frequent.
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }
@@ -130,8 +133,9 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // Upper estimate of memory: a sample is a corner of about four quadtree leaves, and is stored as one
-    // Piece per leaf.
+    // Estimates the memory for the group's pieces from above. A quadtree leaf (a pixel or a part of it) is
+    // divided into four quarters, one for each sample at its corners. Each quarter is stored as a Piece. A
+    // sample is a corner of about four leaves, so it is stored as about four pieces.
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });

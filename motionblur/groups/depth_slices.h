@@ -21,18 +21,21 @@ inline constexpr int most_slices = 64;
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
-/// A direction in the image, and the range of displacements of a group of moving objects along it, in px.
+/// A direction in the image, as a unit vector, and the range of the displacements of a group of moving
+/// objects along this direction, in px.
 struct PathAxis {
     glm::dvec2 direction{1, 0};
     double low_px = 0, high_px = 0;
 };
 
-/// Returns the direction from a group's recorded position to the farthest point of its motion path. For a
-/// curved path, also returns the direction perpendicular to it.
+/// Returns the main axis of a moving group's motion path. It points from the group's position in the image at
+/// the recorded instant to the farthest point of the path. If the path is curved, the axis perpendicular to
+/// it is returned as well.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
-/// Area of a small surface element in the image, as a fraction of its recorded area. It changes linearly
-/// while the element moves. At the displacement d, in px, it is
+/// Area of a small surface element in the image, as a fraction of its area at the recorded instant. If the
+/// element moves, this fraction changes linearly with its displacement d from its recorded position in the
+/// image, in px. The fraction is
 ///
 ///     area + sum over the axes a (PathAxis) of rate_per_px[a] * dot(d, a.direction)
 ///
@@ -44,38 +47,44 @@ struct Stretch {
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// Image (colours and coverage) of a depth slice of a moving group. The projected areas of surfaces change
-/// while they move, so the image depends linearly on the slice's displacement p, in px. `flat` is the image
-/// at the smallest displacement along each axis, and `stretched` is its change per px:
+/// Image (colours and coverage) of one depth slice of a group of moving objects. The slice moves as a whole,
+/// but the projected areas of its surfaces change during the movement. Therefore, its image depends linearly
+/// on the displacement p, in px:
 ///
 ///     flat + sum over the axes a (PathAxis) of stretched[a] * (dot(p, a.direction) - a.low_px)
+///
+/// `flat` is the image at the smallest displacement along each axis. `stretched` is its change per px of
+/// displacement along an axis.
 struct SliceRaster {
     Planes flat;
     std::vector<Planes> stretched;  ///< one per axis
 };
 
-/// Slices at uniformly spaced inverse depths, from far to near. A surface between two slices is drawn into
-/// both, with weights that sum to 1.
+/// A group of moving objects, divided into slices by depth. The slices lie at uniformly spaced inverse
+/// depths, from far to near. A surface between two slices is drawn into both, with weights that sum to 1. So
+/// there is no visible step between slices.
 class DepthSlices {
   public:
-    /// Sorts the surfaces of `group` into slices by depth.
-    /// - `g`: index of the group in `table`
-    /// - `cells_per_px`: resolution of the slices' images
+    /// Sorts the surfaces of a group of moving objects into slices by depth.
+    /// - `bands`: recorded surfaces, in bands of pixel rows
+    /// - `g`: index of `group` in `table`
+    /// - `cells_per_px`: resolution of the images that `draw` returns, in raster cells per px
     /// - `across_per_px`: width of a pixel in the scene, in m; for perspective cameras, at a depth of 1 m
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// Returns the factor by which the displacements in MovingGroup::path are multiplied for depth slice k.
-    /// It is larger for nearer slices, because of parallax.
+    /// Returns the factor for the motion path of depth slice k. MovingGroup::path contains the displacements
+    /// in the image, in px, of points at the inverse depth `path_inverse_z`. For slice k, they are multiplied
+    /// by this factor. The factor is larger for nearer slices, because of parallax.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:
-    /// One quarter of a quadtree leaf (a pixel or a part of it). Its colour is that of the sample at the
-    /// leaf's corner in this quarter.
+    /// One quarter of a quadtree leaf. A leaf is a pixel or a part of it, with samples at its four corners.
+    /// The quarter has the colour of the sample at its own corner of the leaf.
     struct Piece {
         int x = 0, y = 0, n = 1, slice = 0;
         float share = 0, r = 0, g = 0, b = 0;

@@ -44,8 +44,9 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
         for (std::size_t a = 0; a < i1.stretched.size(); ++a)
             add(in_pixels(convolved(i1.stretched[a], path, along[a]), cells_per_px_, width_, height_), out);
     }
-    // Convolution by FFT has a rounding error of up to `least_coverage` per depth slice. Coverages up to the
-    // sum of these errors become 0.
+    // A convolution by FFT has a rounding error of up to `least_coverage`. The convolved slices are added, so
+    // their rounding errors add up too. Coverages up to this sum may be mere rounding errors. Therefore, they
+    // become 0.
     const float rounding = least_coverage * static_cast<float>(slices.count());
     for (auto& p : out.rgba) {
         if (p[3] <= rounding) p = {0, 0, 0, 0};
@@ -58,8 +59,10 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
 
 Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path,
                             const std::vector<double>& values) const {
-    // The blur kernel i2 is an image of the object's displacements. Displacements outside `reach` move the
-    // whole object out of the image, so they are not drawn.
+    // i1 is the object's image. The blur kernel i2 is an image of its motion path: the pixel at the
+    // displacement d holds the fraction of the exposure during which the object is displaced by d. `reach`
+    // contains the displacements after which a part of i1 still lies in the frame. Other displacements do not
+    // contribute to the blurred image, so they are not drawn.
     const CellWindow frame{0, width_ * cells_per_px_, 0, height_ * cells_per_px_};
     const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
                            frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};
@@ -82,8 +85,8 @@ GroupPicture GroupBlur::nothing_over(const DepthSlices& slices, const MovingGrou
     const auto within = [](double px, int limit) {
         return static_cast<int>(std::clamp(px, 0.0, static_cast<double>(limit)));
     };
-    // The displacements of the motion path are rounded to raster cells, so the blurred object may be shifted
-    // by half a cell. A margin of 1 px around its bounding box allows for this.
+    // Enlarges the bounding box of the blurred object by 1 px on all sides. The displacements of its motion
+    // path are rounded to raster cells, so the blurred object may be shifted by half a cell.
     GroupPicture out;
     out.x_begin = within(std::floor(w.x_begin / c + low.x) - 1, width_);
     out.x_end = std::max(out.x_begin, within(std::ceil(w.x_end / c + high.x) + 1, width_));

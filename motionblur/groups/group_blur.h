@@ -1,5 +1,5 @@
-// Motion blur of a group of moving objects: its image is convolved with that of its motion path, as a whole
-// or in depth slices.
+// Motion blur of a group of moving objects that have the same motion path. The group's image is convolved
+// with an image of this path. This is done for the whole group, or separately for slices of different depth.
 #pragma once
 
 #include "lens/shutter_curve.h"
@@ -20,8 +20,9 @@ class GroupBlur {
 
     /// Blurs all depths of a group of objects along one path.
     [[nodiscard]] GroupPicture whole(const Planes& i1, const MovingGroup& group) const;
-    /// Blurs each depth slice of an object along its own path, and adds the slices. They do not hide each
-    /// other, because they belong to one opaque surface.
+    /// Blurs a group of objects in depth slices, each along its own path, and adds the blurred slices. The
+    /// slices are not tested for which hides which, because they belong to one opaque surface. So each of its
+    /// points is visible in only one slice.
     [[nodiscard]] GroupPicture sliced(const DepthSlices& slices, const MovingGroup& group) const;
 
   private:

@@ -10,7 +10,8 @@
 namespace postlens {
 namespace {
 
-/// A motion path counts as horizontal or vertical if it deviates from this direction by at most this, in px.
+/// Tolerance for the direction of a motion path, in px. If the path deviates from the horizontal or vertical
+/// direction by at most this much, it counts as horizontal or vertical.
 constexpr double axis_px = 0.02;
 constexpr double long_path_px = 64;  ///< length, px, from which a path along an axis needs cells of only 1 px
 constexpr double short_path_px = 24;  ///< length, px, below which cells of 1/4 px are needed and affordable

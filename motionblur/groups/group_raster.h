@@ -21,16 +21,18 @@ struct GroupPicture {
     }
 };
 
-/// Returns the resolution, in raster cells per px, at which a group of moving objects is blurred. Short or
-/// slanted motion paths need a higher resolution, because they are rounded to whole cells.
+/// Returns the resolution at which a group of moving objects is blurred, in raster cells per px.
+/// Displacements along the motion path are rounded to whole cells. For short or slanted paths, the error of
+/// this rounding is visible, so they need a higher resolution.
 [[nodiscard]] int cells_for(const MovingGroup& group);
 
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 
-/// The part of a raster of square cells that is covered by one quarter of a quadtree leaf (a pixel or a part
-/// of it). It consists of the cells [x, x + n) x [y, y + n). A quarter smaller than one cell covers the
-/// fraction `share` of its area.
+/// Position of a piece of a pixel on a finer raster of square cells. A quadtree leaf is a pixel or a part of
+/// it, and the piece is one quarter of such a leaf. It covers the cells [x, x + n) x [y, y + n) of the
+/// raster. If the quarter is smaller than a cell, n is 1, and `share` is the fraction of the cell's area that
+/// it covers.
 struct QuarterCells {
     int x = 0, y = 0, n = 1;
     float share = 1;
@@ -42,8 +44,9 @@ struct QuarterCells {
 [[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
                                              const GroupTable& table, int g);
 
-/// Calls on_leaf(leaf, surfaces) for each quadtree leaf in `window` that shows moving group g. surfaces[k] is
-/// the group's nearest surface at corner k, or nullptr.
+/// Calls on_leaf(leaf, surfaces) for each quadtree leaf in `window` that shows the moving group g. A leaf is
+/// a pixel or a part of it, with samples at its four corners. surfaces[k] is the group's nearest surface at
+/// corner k, or nullptr if there is none.
 template <typename OnLeaf>
 void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, const CellWindow& window,
                       int cells_per_px, const OnLeaf& on_leaf) {
@@ -60,8 +63,9 @@ void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, 
     }
 }
 
-/// Draws the raster of moving group g, in cells of 1/cells_per_px px. Each cell shows the group's nearest
-/// recorded surface, even if another object hides it.
+/// Draws an image of the moving group g at the recorded instant, as a raster of square cells. A cell is
+/// 1/cells_per_px px wide. It shows the group's nearest recorded surface, even if an object of another group
+/// hides this surface.
 [[nodiscard]] Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, int cells_per_px);
 

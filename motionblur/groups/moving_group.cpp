@@ -24,9 +24,10 @@ glm::dvec2 displacement(const FrameMotion& motion, const IdMotion& id, double re
     return {to->x - id.centre.x, to->y - id.centre.y};
 }
 
-/// Returns whether two objects have the same displacement from the recorded instant to any instant of the
-/// exposure. If `nearest` > 0, first scales both displacements to this inverse depth (1/m), which removes
-/// parallax.
+/// Returns whether two objects have the same displacement in the image, from the recorded instant to any
+/// instant of the exposure. If `nearest` is 0, the displacements are compared as they are. Otherwise, both
+/// are first scaled to the inverse depth `nearest` (1/m). Displacements with parallax are proportional to the
+/// inverse depth, so the scaling removes the difference that the objects' depths cause.
 bool alike(const FrameMotion& motion, const IdMotion& a, const IdMotion& b, double recorded_s,
            const Exposure& exposure, double nearest) {
     const double scale_a = nearest > 0 ? nearest / a.inverse_z : 1,
@@ -91,8 +92,9 @@ std::vector<MovingGroup> find_groups(const FrameMotion& motion, const std::vecto
         MovingGroup& group = out[g];
         std::sort(group.ids.begin(), group.ids.end());
         group.inverse_z = group.extent.centre().inverse_z;
-        // Objects whose depths are all equal at this instant have no parallax, even if their depths differ at
-        // other instants.
+        // Parallax was found for all recorded instants together. If all recorded depths of the group are
+        // equal at this instant, the group has no parallax here, although its depths may differ at other
+        // instants.
         group.has_parallax = group.has_parallax && group.extent.inverse_z_max > group.extent.inverse_z_min;
         const IdMotion& of = *first[g];
         const std::vector<double> breaks = motion.breaks_s(of.id);
