@@ -96,9 +96,9 @@ void CellDeposit::finish() {
         double sum = 0;
         for (std::size_t x = 0; x < static_cast<std::size_t>(grid_.width); ++x) {
             sum += after_[row + x];
-            // `sum` is the energy that the sides of all polygons to the left of this pixel contribute to it.
-            // Outside a polygon, the contributions of its left and right sides cancel. But rounding can leave
-            // a small negative energy there, so negative values become 0.
+            // `sum` is the energy that polygon sides to the left of this pixel contribute to it. Outside a
+            // polygon, the contributions of its left and right sides cancel. But rounding can leave a small
+            // negative energy there, so negative values become 0.
             grid_.share[row + x] = std::max(0.0, grid_.share[row + x] + sum);
         }
     }

@@ -19,8 +19,8 @@ constexpr int vectors = tile / lanes;
 /// error of at most 2^-24. Therefore, the error is below 34 * 2^-24 of the sum of such a group.
 constexpr std::size_t terms_per_flush = 32;
 /// Time to apply a run to a row of pixels. A run is a sequence of equal neighbouring weights of the blur
-/// kernel, which are applied at once. The unit is the time to apply one weight. Therefore, shorter runs are
-/// applied weight by weight.
+/// kernel, which are applied at once. The unit is the time to apply one weight. Therefore, runs of up to this
+/// number of weights are applied weight by weight.
 constexpr int run_cost = 6;
 /// Relative difference up to which two weights of the blur kernel count as equal. Rounding makes equal
 /// weights differ slightly.

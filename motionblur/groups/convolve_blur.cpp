@@ -194,9 +194,9 @@ double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther)
              ++x) {
             const double c = std::clamp(static_cast<double>((*nearer.at(x, y))[3]), 0.0, 1.0);
             // c is the mean coverage of the pixel by the nearer of the two groups. During the exposure, this
-            // coverage varies between 0 and 1, so its variance is at most c (1 - c). The light of the farther
-            // group has at most the variance of its mean coverage, for radiances up to 1. The product of both
-            // bounds the squared error.
+            // coverage varies between 0 and 1, so its variance is at most c (1 - c). For radiances up to 1,
+            // the variance of the farther group's light is at most that group's mean coverage. The product of
+            // both bounds the squared error.
             sum += c * (1 - c) * std::clamp(static_cast<double>((*farther.at(x, y))[3]), 0.0, 1.0);
         }
     }

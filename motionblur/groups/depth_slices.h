@@ -61,8 +61,7 @@ struct SliceRaster {
 };
 
 /// A group of moving objects, divided into slices by depth. The slices lie at uniformly spaced inverse
-/// depths, from far to near. A surface between two slices is drawn into both, with weights that sum to 1. So
-/// there is no visible step between slices.
+/// depths, from far to near. A surface between two slices is drawn into both, with weights that sum to 1.
 class DepthSlices {
   public:
     /// Sorts the surfaces of a group of moving objects into slices by depth.

@@ -59,7 +59,7 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
 
 Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path,
                             const std::vector<double>& values) const {
-    // i1 is the object's image. The blur kernel i2 is an image of its motion path: the pixel at the
+    // i1 is the object's image. The blur kernel i2 is an image of its motion path: the cell at the
     // displacement d holds the fraction of the exposure during which the object is displaced by d. `reach`
     // contains the displacements after which a part of i1 still lies in the frame. Other displacements do not
     // contribute to the blurred image, so they are not drawn.

@@ -21,8 +21,7 @@ class GroupBlur {
     /// Blurs all depths of a group of objects along one path.
     [[nodiscard]] GroupPicture whole(const Planes& i1, const MovingGroup& group) const;
     /// Blurs a group of objects in depth slices, each along its own path, and adds the blurred slices. The
-    /// slices are not tested for which hides which, because they belong to one opaque surface. So each of its
-    /// points is visible in only one slice.
+    /// slices do not hide each other, because they are parts of one opaque surface.
     [[nodiscard]] GroupPicture sliced(const DepthSlices& slices, const MovingGroup& group) const;
 
   private:
