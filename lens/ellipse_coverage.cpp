@@ -23,8 +23,8 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // The ellipse is too narrow, because its smaller semi-axis must be at least smallest_px. The matrix
-        // with the elements xx, xy and yy describes the ellipse. Its eigenvalues `major` and `minor` are the
+        // The ellipse is too narrow: its smaller semi-axis is below the required smallest_px. The matrix with
+        // the elements xx, xy and yy describes the ellipse. Its eigenvalues `major` and `minor` are the
         // squares of the semi-axes. With the unit vector a along the major axis, the matrix is minor * I +
         // (major - minor) * a a^T. To widen the ellipse, `minor` is replaced by smallest_px^2 in this
         // formula.

@@ -58,7 +58,8 @@ double smoothing_px(const PixelEnergySettings& settings) {
 /// A table of L / (2 pi r^2) over the distance r (px) from the blur kernel's centre. L is the kernel's energy
 /// within r. An imaginary flow carries this energy radially outwards (see Flow). The flow through the circle
 /// of radius r is L / (2 pi r) per px. A pixel border at the distance x from the centre is inclined to the
-/// circle, so the factor x / r is added. Thus, x times the table's value is the flow per px of the border.
+/// circle, so the flow is smaller by the factor x / r. Thus, x times the table's value is the flow per px of
+/// the border.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)

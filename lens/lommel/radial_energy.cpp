@@ -78,7 +78,7 @@ double RadialEnergy::within_integral(double v) const {
     const double slope0 = intensity_[i] * static_cast<double>(i) / 2 * step_ * step_;
     const double slope1 = intensity_[i + 1] * static_cast<double>(i + 1) / 2 * step_ * step_;
     const double rise = within_[i + 1] - within_[i];
-    // Integrates the encircled energy from the begin of this table step over the fraction t of the step.
+    // Integrates the encircled energy from the start of this table step over the fraction t of the step.
     // Within the step, the energy is approximated by a cubic Hermite polynomial. It begins at w0 =
     // within_[i], rises by `rise`, and has the slopes slope0 and slope1 (per step) at the ends:
     //
