@@ -12,8 +12,10 @@
 namespace postlens {
 namespace {
 
-/// Tests whether a surface sample, reprojected linearly to the rim of the lens, is wrong by more than
-/// most_bend_px pixels. The error is largest at the rim.
+/// Tests whether a surface sample is drawn at a wrong position when it is seen from another point of the lens
+/// than the pinhole. Its position there is extrapolated linearly from the lens's centre. The error of this
+/// position is largest at the lens's rim, so it is computed there. The sample is misplaced if the error
+/// exceeds most_bend_px pixels.
 class Misplaced {
   public:
     explicit Misplaced(const FocusGeometry& lens)

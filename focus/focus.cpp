@@ -261,8 +261,10 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const View shown = framed(file, settings, geometry);
-    // The crop is in pixels of the final image. If zoom != 1, the final image is magnified after blurring, so
-    // its pixels differ. The whole image is then blurred.
+    // `settings.crop` is the part of the final image that is to be computed, in pixels of this image. If the
+    // lens magnifies (zoom != 1), the image is blurred first and magnified afterwards. The blurred image then
+    // has other pixels than the final one, so the crop does not apply to it. Therefore, the whole image is
+    // blurred.
     const std::optional<Crop> crop = shown.zoom == 1 ? settings.crop : std::nullopt;
     FocusResult out;
     if (pinhole) {

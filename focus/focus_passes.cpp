@@ -52,8 +52,9 @@ Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geome
     return out;
 }
 
-/// Blends the coverage of each object. `effect`, the strength of the blur, is 0 for that in the pinhole
-/// image, and 1 for that in the blurred image.
+/// Mixes, in each pixel, the coverages of the objects in the pinhole image with those in the blurred image.
+/// `effect` is the strength of the blur in each pixel. If it is 1, only the coverages in the blurred image
+/// count; if it is 0, only those in the pinhole image. The result is written to `blurred`.
 void limit_to(const std::vector<float>& effect, const StackField& pinhole, StackField& blurred) {
     for (std::size_t k = 0; k < effect.size(); ++k) {
         for (ObjectShare& o : blurred.shares[k]) o.share *= effect[k];
@@ -156,8 +157,9 @@ std::vector<float> standard_error(const ForeignPicture& picture, const std::vect
     return out;
 }
 
-/// Adds an image channel with the standard error of each pixel. The error is multiplied by the blur strength
-/// `effect`, 0 to 1, because unblurred light has no error.
+/// Adds to `image` a channel with the estimated standard error of each pixel. This error is the noise of the
+/// blurred image, because the blur is a mean over random lens points. `effect` (0 to 1) is the strength of
+/// the blur in a pixel. The error is multiplied by it, because the unblurred image has no such noise.
 void add_error(std::vector<float> error, const std::vector<float>& effect, Image& image) {
     for (std::size_t k = 0; k < effect.size(); ++k) error[k] *= effect[k];
     image.planes.push_back({"error", std::move(error)});

@@ -190,8 +190,10 @@ class Spread {
                 const int y = source.y_begin + static_cast<int>(i);
                 row.clear();
                 behind_row.clear();
-                // Surfaces extended above or below the image get the hidden surfaces that were estimated for
-                // the image's first or last row.
+                // Reads the estimates of the surfaces that lie hidden behind the pixels of the row `y`. Rows
+                // above or below the image have no estimates of their own, because they only continue
+                // surfaces of the image beyond its border. They therefore get the estimates of the image's
+                // first or last row.
                 if (behind_ && width > 0 && picture_.y_begin < picture_.y_end)
                     behind_->row(std::clamp(y, picture_.y_begin, picture_.y_end - 1), behind_row);
                 if (y >= picture_.y_begin && y < picture_.y_end) found[task].add(guessed(behind_row));
@@ -212,8 +214,10 @@ class Spread {
                     // Empty space may be visible behind a translucent surface.
                     if (behind != nullptr && picture_.stores(x, y) && ends_in_nothing(*behind, open))
                         found[task].is_see_through = true;
-                    // `scatter` estimates no surface behind the last sample of a pixel (`behind` is null), so
-                    // the last sample counts as opaque.
+                    // The argument `fills` tells whether the pixel's last (farthest) sample counts as opaque
+                    // even if its alpha is below 1. The method `scatter` does not estimate which surface lies
+                    // behind this sample, so `behind` is null. Nothing else could then fill the rest of the
+                    // pixel, so the sample counts as opaque.
                     lights.add(x, stack, behind == nullptr || behind->fills, open, behind, value, row);
                 }
                 splats.add_pixels(y, row);
@@ -239,8 +243,10 @@ class Spread {
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels(corners_);
             } else {
-                // In `scatter`, each pixel is divided by the sum of the weights in it. Empty space gets a
-                // weight too, so that the blurred edges of objects stay translucent.
+                // The method `scatter` divides the colour of each pixel by the sum of the weights of the
+                // light in it. At the blurred edge of an object before empty space, this sum is below 1, and
+                // the division would make the edge opaque. Therefore, empty space also gets a weight, at most
+                // `nothing_`, and the edge stays translucent.
                 splats.let_nothing_fill(nothing_);
             }
             const Guessed guessed = take_in(splats, value);
@@ -256,8 +262,10 @@ class Spread {
         RasterWindow source = source_pixels();
         ++source.x_end;
         ++source.y_end;
-        // The depth model selects the depth of reflections and refractions. Images of other programs do not
-        // store these separately, so it has no effect here.
+        // DepthModel states which depth determines the blur of a reflection or refraction: for example, the
+        // depth of its virtual image or that of the mirror. Images from other programs do not store
+        // reflections and refractions separately. So the depth model has no effect here, and any value will
+        // do.
         if (method_ == FocusMethod::layers) {
             return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_),
                           layers);

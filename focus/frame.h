@@ -20,12 +20,12 @@ namespace postlens {
 struct HighlightRule;
 struct TreeSheets;
 
-/// Rows [y_begin, y_end) of the sample file's surface samples at its first recorded instant. `band` has these
-/// rows, and the rows directly above and below.
-/// - `samples`: eye rays through the pixels of these rows, and the surfaces that they hit; one element for
-///   each group of `rows_per_task` rows. Empty if they have not been computed.
-/// - `plain`: compact copies of the eye rays that hit no mirror or glass, grouped as `samples`. Empty if they
-///   have not been computed.
+/// The rows [y_begin, y_end) of the sample file, at its first recorded instant.
+/// - `band`: the records (surface samples) of these rows and of the rows directly above and below
+/// - `samples`: the eye rays through these rows, with the surfaces that they hit; one element for each group
+///   of `rows_per_task` rows. Empty if not computed.
+/// - `plain`: the eye rays that hit no mirror or glass, in a compact form; grouped as in `samples`. Empty if
+///   not computed.
 struct FrameRows {
     /// Number of rows per task. Fewer rows would be inefficient, because each task also reads the row above
     /// and the row below.
@@ -38,8 +38,9 @@ struct FrameRows {
 
 [[nodiscard]] RasterWindow recorded_corners(const SampleFileReader& file);
 
-/// The data of a sample file from which images of all lenses are computed: surface samples (records), eye
-/// rays with their records (point samples), and surfaces of neighbouring records.
+/// Reads the data of a sample file from which images of all lenses are computed, and keeps them in memory if
+/// several images are made. These data are the records (surface samples), the point samples (eye rays with
+/// all their records), and the sheets (parts of surfaces, made of neighbouring records).
 ///
 /// Only one thread at a time may use a frame. Exception: if the frame keeps its rows in memory, several
 /// threads may call visit_rows after a first call has visited the rows.
@@ -57,11 +58,12 @@ class FocusFrame {
     /// and Error(out_of_memory).
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
-    /// Returns all surfaces at an instant of the sample file, cut into squares of 16 x 16 px. Valid until the
-    /// next call for this instant.
-    /// - `rule`: selects highlights to store separately from the surfaces; its radiance limit `rule.above`
-    ///   must be the same in all calls
-    /// - `also`: receives the samples of each row once; only for instant 0
+    /// Returns all surfaces that the sample file records at one instant, cut into squares of 16 x 16 px. The
+    /// result is valid until the next call for this instant.
+    /// - `instant`: index of the recorded instant; 0 is the first
+    /// - `rule`: selects highlights, which are stored separately from the surfaces; its radiance limit
+    ///   `rule.above` must be the same in all calls
+    /// - `also`: function that receives the records of each row once, while they are read; only for instant 0
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 

@@ -41,8 +41,10 @@ class LensModel final : public ResponseModel {
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
-        // `further` is the part of the map that causes astigmatism. `stretched` is its blur radius in px,
-        // times 1.5, because the pupil may be wider than the nominal aperture.
+        // The blur of a point has two causes. Defocus scales the lens uniformly, and astigmatism adds the
+        // rest of the matrix, `further`. Without astigmatism, the table gives the radius of the blur.
+        // `stretched` bounds the displacement, in px, that `further` adds. It contains the factor 1.5,
+        // because the real opening (pupil) may be wider than the nominal aperture.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -73,8 +75,9 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // The matrix map_px from the lens to its blur has the mean scale gain R (1 / s - 1 / z). Returns 1 / z,
-    // in 1/m. gain: gain_px; R: aperture radius; s: focus distance.
+    // Returns the inverse depth 1 / z, in 1/m, at which a point has the blur `map_px`. This matrix maps a
+    // lens point, in lens radii, to a position in the blur, in px. Its mean scale is gain_px R (1 / s - 1 /
+    // z), with the aperture radius R and the focus distance s, so it can be solved for 1 / z.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -17,10 +17,13 @@ namespace postlens {
 [[nodiscard]] std::optional<LensView> real_lens(const FocusSettings& settings, const Film& film,
                                                 ImageSize picture, const RasterWindow& recorded);
 
-/// Creates the model that computes the blur kernels of a real lens, from a table of rays traced through the
-/// lens.
-/// - `geometry`: lens geometry of `view`, with film lengths in px of the traced image
-/// - `half_diagonal_px`: half the diagonal of the recorded image with overscan
+/// Creates the model that computes the blur kernels of a real lens. It traces rays through the lens once, and
+/// stores them in a table.
+/// - `geometry`: lens geometry of `view`, with film lengths in px of the sample file's image (before a
+///   magnification)
+/// - `half_diagonal_px`: half the diagonal of the recorded image with overscan, the largest distance of a
+///   pixel from the optical axis
+/// - `largest_inverse_depth_per_m`: 1 / depth of the nearest surface
 [[nodiscard]] std::unique_ptr<ResponseModel> lens_model(const LensView& view, const FocusGeometry& geometry,
                                                         double half_diagonal_px,
                                                         double largest_inverse_depth_per_m);

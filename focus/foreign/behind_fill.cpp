@@ -32,8 +32,9 @@ struct Radii {
     [[nodiscard]] bool is_nothing() const { return std::isinf(own); }
 };
 
-/// Returns whether the sample with the CoC radii `other` lies behind the sample with the CoC radii `own`.
-/// Samples with nearly equal radii count as one surface.
+/// Returns whether the sample `other` lies behind the sample `own`. The signed CoC radius of a sample grows
+/// with its depth, so a sample with a larger radius lies farther away. If the radii differ too little (by
+/// less than least_step_px), the samples count as one surface.
 bool is_farther(const Radii& other, const Radii& own) {
     return other.own - own.own >= least_step_px ||
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
@@ -105,8 +106,10 @@ class BehindSearch::Impl {
     }
 
   private:
-    /// Marks a translucent pixel in `fills_`, so that it counts as opaque, if no pixel within reach of its
-    /// blur shows a farther surface. What lies behind it is then unknown.
+    /// Decides which translucent pixels count as opaque. What lies behind a translucent pixel is estimated
+    /// from farther surfaces in its neighbourhood. If no pixel within reach of its blur shows a farther
+    /// surface, what lies behind is unknown. Its last sample then counts as opaque, and the pixel is marked
+    /// in `fills_`.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -141,9 +144,10 @@ class BehindSearch::Impl {
         }
         if (count == 0) return {};
         if (has_ids_) count = keep_most_seen(finds, count);
-        // `finds` are farther surfaces around the pixel (x, y). The estimated hidden surface gets the depth
-        // and object of the closest of them. Its colour is the mean of all surfaces in `finds` at nearly this
-        // depth.
+        // Estimates the surface that is hidden behind the pixel (x, y). `finds` are the farther surfaces that
+        // were found in the directions around this pixel. The hidden surface gets the depth and object of the
+        // closest of them, `nearest`. Its colour is the weighted mean of all surfaces in `finds` at nearly
+        // this depth.
         const Find* nearest =
             std::min_element(finds.data(), finds.data() + count,
                              [](const Find& a, const Find& b) { return a.distance_px < b.distance_px; });
@@ -331,9 +335,10 @@ class BehindSearch::Impl {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Keeps only one object's surfaces among those found around a pixel (`finds`): the object with the
-    /// largest sum of weights. Otherwise, a small light source could brighten all hidden surfaces estimated
-    /// along an edge.
+    /// The hidden surface behind a pixel is estimated from `finds`, the farther surfaces found around the
+    /// pixel. This function keeps only the surfaces of one object: the object with the largest sum of
+    /// weights. Otherwise, a small light source nearby could brighten the estimated surfaces along a whole
+    /// edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;

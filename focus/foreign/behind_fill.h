@@ -46,11 +46,13 @@ struct Behind {
 /// the object with the largest sum of weights counts.
 class BehindSearch {
   public:
-    /// `picture` and `geometry` must outlive this object. `aberration_px` is the distance, in px, by which
-    /// spherical aberration spreads light beyond the circle of confusion.
+    /// Prepares the search in `picture` for the lens in `geometry`. Both must outlive this object.
+    /// `aberration_px` is the distance, in px, by which spherical aberration of the lens spreads light beyond
+    /// the circle of confusion. The search goes farther by this distance, because more surfaces may then
+    /// reach a pixel.
     BehindSearch(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px = 0);
-    /// Estimates the surface behind each pixel of row `y`, and writes the estimates to `out`. Several threads
-    /// may call this function at the same time.
+    /// Estimates, for each pixel of row `y`, the surface that lies behind the visible one. Writes the
+    /// estimates to `out`, one per pixel. Several threads may call this function at the same time.
     void row(int y, std::vector<Behind>& out) const;
 
   private:
@@ -62,8 +64,9 @@ class BehindSearch {
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
                                               double aberration_px = 0);
 
-/// Returns, row by row, an upper bound of each pixel's fraction of empty space in the blurred image. The
-/// bound is not tight, and may exceed 1.
+/// Returns, for each pixel of `window`, an upper bound of the fraction of the pixel that empty space fills in
+/// the blurred image. Blurred surfaces fill the rest of the pixel. The bound is not tight, and may exceed 1.
+/// The values are ordered row by row.
 [[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
                                                   const FocusGeometry& geometry, const RasterWindow& window,
                                                   double aberration_px = 0);

@@ -13,9 +13,9 @@
 
 namespace postlens {
 
-/// Extends surfaces beyond the image border, because their blur may reach into the image. A surface is
-/// extended by n pixels: as far as it reaches into the image, but at most by its blur radius. Its colour and
-/// alpha outside are the means of its n pixels at the border.
+/// Extends surfaces beyond the image border, because the blur of what lies outside may reach into the image.
+/// A surface that is n pixels deep, measured from the border into the image, is also extended by n pixels
+/// outwards, but at most by its blur radius. Outside, its colour and alpha are the means over these n pixels.
 class BorderExtension {
   public:
     /// `aberration_px` is the distance by which spherical aberration spreads light beyond the CoC radius.
@@ -24,19 +24,22 @@ class BorderExtension {
     /// Returns the rectangle of pixels that contains the image and the surfaces extended beyond the image
     /// border.
     [[nodiscard]] const RasterWindow& window() const { return window_; }
-    /// Sets `stack` to the samples of surfaces that are extended from the image to the pixel (x, y) outside.
-    /// Returns the index of the border pixel from which they are extended, if any.
+    /// The pixel (x, y) lies outside the image. Sets `stack` to the samples that this pixel gets from
+    /// surfaces extended beyond the image border. Returns the index of the pixel at the border from which
+    /// these surfaces are extended, or nothing if no surface reaches (x, y).
     [[nodiscard]] std::optional<std::size_t> continued(int x, int y, std::vector<StackSample>& stack) const;
 
   private:
-    /// A sample at the image border, extended by `length_px` pixels beyond the border. The colour of `sample`
-    /// is the mean of its surface's `length_px` pixels inside the border.
+    /// A sample of a pixel at the image border, with the distance `length_px` by which it is extended
+    /// outwards. Its surface covers as many pixels inwards from the border, or more. The colour and alpha of
+    /// `sample` are the means over these `length_px` pixels.
     struct Continued {
         StackSample sample;
         int length_px = 0;
     };
-    /// The extended samples along one side of the image, one list for each pixel of this side. A list is
-    /// empty if the file shows empty space there.
+    /// The samples along one side of the image, extended outwards beyond the border. There is one list for
+    /// each pixel of this side, with all samples of the pixel, one behind another. A list is empty if the
+    /// pixel has no samples, because the file shows empty space there.
     using Side = std::vector<std::vector<Continued>>;
 
     [[nodiscard]] Side side(int x, int y, int along_x, int along_y) const;

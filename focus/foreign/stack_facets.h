@@ -37,8 +37,11 @@ struct Facet {
 /// depth at the corners that they share.
 class Facets {
   public:
-    /// `behind` is the estimated surface behind each pixel of `p`, or empty. `border` extends the surfaces of
-    /// `p` beyond the image border.
+    /// Makes the quadrilaterals of the image `p`.
+    /// - `behind`: the estimated surface behind the visible one, for each pixel of `p`. If empty, no hidden
+    ///   surfaces are drawn.
+    /// - `border`: extends the surfaces of `p` beyond the image border
+    /// - `geometry`: the lens, which decides whether neighbouring samples count as one surface
     Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const BorderExtension& border,
            const FocusGeometry& geometry);
 

@@ -20,8 +20,8 @@ constexpr int rows_per_task = 32;
 /// Number of views between two checks for cancellation of the job.
 constexpr std::size_t views_per_look = 16;
 
-/// The view from one lens point, drawn with one sample per pixel. Within all pixels, the sample has the same
-/// position.
+/// A view: what one lens point sees, drawn with one sample per pixel. The sample lies at the same position in
+/// every pixel, but at another position in each view. So the mean of the views has smooth edges.
 struct View {
     float lens_x, lens_y;  ///< shift of the image by the lens point, in px per 1/m of inverse depth
     float inverse_focus_per_m;
@@ -68,8 +68,10 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
 /// points from which it is opaque equals its alpha (stochastic transparency).
 bool is_opaque(const Facet& f, std::uint32_t view) {
     if (f.sample.alpha >= 1) return true;
-    // A sample is opaque from this lens point if its alpha exceeds a pseudo-random number (scrambled van der
-    // Corput sequence). Samples behind each other are opaque independently.
+    // A translucent sample is drawn either as opaque or as transparent, at random for each lens point. It is
+    // opaque if its alpha exceeds a pseudo-random number from 0 to 1, made by a scrambled van der Corput
+    // sequence. The seed is that of the sample, so samples of one pixel are opaque independently of each
+    // other.
     const std::uint32_t place = reverse_bits(owen_scramble_reversed(reverse_bits(view), f.seed));
     const std::uint32_t bits = reverse_bits(owen_scramble_reversed(place, mix32(f.seed)));
     return static_cast<double>(bits) * 0x1p-32 < static_cast<double>(f.sample.alpha);
@@ -240,8 +242,9 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // Counts, for each pixel, the lens points that see no surface of the image. Surfaces extended beyond
-        // the image border (`beyond`) do not count.
+        // Counts, for each pixel, the lens points that see no surface of the image there. Such a lens point
+        // sees past all surfaces, or only a surface that was extended beyond the image border (`beyond`).
+        // Lens points that the aperture blocks do not count.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;

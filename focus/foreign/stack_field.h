@@ -43,9 +43,10 @@ struct StackField {
     /// For each pixel, the fraction of lens points that see none of the file's surfaces in this pixel. It is
     /// 0 if the file shows empty space behind the pixel's samples, because no surface is missing there.
     std::vector<float> unseen;
-    /// divide_by_covered() divides a pixel's colour and alpha by this value: the mean alpha over the lens
-    /// points, including holdout objects. It is at least 1 if empty space lies behind the pixel's samples, so
-    /// that the pixel stays translucent.
+    /// For each pixel, the mean alpha over the lens points, including objects that only hide others
+    /// (holdouts). It is below 1 near the image border, where some lens points see nothing.
+    /// divide_by_covered() therefore divides the pixel's colour and alpha by it. If empty space lies behind
+    /// the pixel's samples, this value is at least 1, so the division does not make the pixel opaque.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };

@@ -15,8 +15,9 @@ namespace postlens {
 /// Which value of a sample is blurred like a colour: its colour, or its alpha in all three channels.
 enum class StackValue { colour, alpha };
 
-/// Converts the samples of a pixel to the light that the pinhole sees, and the light that nearer samples hide
-/// from it. Samples with similar signed CoC radii form one surface.
+/// Converts the samples of a pixel, which lie one behind another, to light that can be blurred. The light of
+/// each surface has two parts: light that the pinhole sees, and light that nearer samples hide from the
+/// pinhole but not from all lens points. Samples with similar signed CoC radii form one surface.
 class StackLights {
   public:
     /// If `with_nothing` is true, empty space behind the samples is added as a sharp black surface at

@@ -8,8 +8,9 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// If the samples of a mirror image cover less than this fraction of a pixel, their mean colour is
-/// unreliable. It is then mixed with the mirror image's colour when blurred like the mirror's surface.
+/// The colour of a mirror image at a pixel is the mean over the image's blurred samples there. If these
+/// samples cover less than this fraction of the pixel, the mean is unreliable. It is then mixed with a second
+/// estimate: the colour of the same image, blurred as if it were painted on the mirror.
 constexpr double enough_weight = 0.05;
 
 /// Light that arrives at a pixel after one sequence of reflections and transmissions, such as a single
@@ -28,8 +29,10 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds `rgb`, the light of a reflected or transmitted image, to `surface`, the mirror or glass that shows
-/// it. The image covers the fraction mask.alpha of the pixel.
+/// Adds the light of a reflected or transmitted image to the light of `surface`, the mirror or glass that
+/// shows it in this pixel. `rgb` is the mean colour of the image. It is multiplied by mask.alpha, the
+/// fraction of the pixel that shows the image. The image's light is assumed to pass through the same side of
+/// the lens as the surface's own light, so it also gets a part of the surface's lens moment.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) surface.rgb[c] += mask.alpha * rgb[c];
@@ -57,9 +60,10 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// Fills `fragments` with the surfaces in `terms`, which are seen in a mirror or through glass. Adds the
-/// light that these surfaces reflect and transmit in turn (`longer`). Returns the sum of these
-/// surfaces' weights.
+/// Fills `fragments` with the light of the surfaces in `terms`, all seen after the same sequence of
+/// reflections and refractions. If such a surface is itself a mirror or glass, the light that it reflects or
+/// transmits is added. This light is in `longer`, whose sequences have one bounce more. Returns the sum of
+/// the weights of the surfaces in `terms`.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();

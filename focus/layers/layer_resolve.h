@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Blurred light at one pixel, summed over all samples of one surface, or of one mirror image that the
-/// surface shows.
+/// The blurred light that one part of the scene adds to a pixel, summed over all samples of this part. The
+/// part is either a surface, or a reflected or transmitted image that a surface shows.
 struct LayerTerm {
     const LayerPart* part = nullptr;
     std::array<double, 3> rgb{};

@@ -77,8 +77,9 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Adds a sample, or merges it with one of the same pixel, surface (`number`) and blur kernel. `hash` affects
-// which samples are merged, so it must not depend on thread timing. The result is then bit-identical.
+// Adds a sample to the row, or merges it with a sample that has the same pixel, surface (`number`) and blur
+// kernel. `hash` decides where such a sample is looked up, and so which samples are merged. It must not
+// depend on the timing of threads, so that the image is bit-identical in every run.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
@@ -134,9 +135,9 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// If `from` is the far side of a glass object, returns the near side; otherwise returns `from`. Light through
-// glass is blurred like the near side, which has the object's outline. Refraction can make the far side's
-// blur far too large.
+// Returns the surface point whose blur is used for light that arrives through `from`. If `from` lies on the
+// far side of a glass object, this is the point on the near side, because the object's visible outline lies
+// there. Refraction can make the blur of the far side far too large. Otherwise, it is `from` itself.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -206,8 +207,9 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// Adds surfaces in mirrors or behind glass that the pinhole does not see, but other lens points see. `nodes`
-// also has the mirrors and glass.
+// Adds surfaces that other lens points see in a mirror or through glass, but the pinhole does not. `nodes`
+// has the surface points of one such layer: first the hidden surface, and then what this surface reflects and
+// transmits. `primary` is the blur of the mirror or glass that the eye ray hits, and `surface` is its key.
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

@@ -55,8 +55,10 @@ class LayerSplats::RowBuilder {
                            SurfaceKey surface);
     [[nodiscard]] const Met* met_at(NodePath path) const;
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// A mask is a sum that tells how much of each pixel shows the node `met` in a mirror or through glass.
-    /// Adds the light of `met` to it, blurred like the mirror or glass `from`.
+    /// A mask is a sum over blurred samples that tells how much of each pixel shows a certain object in a
+    /// mirror or through glass. This function adds a sample to such a mask: the surface point `met`, seen in
+    /// the mirror or glass at `from`. The mask ends where the mirror or glass ends, so it is blurred like
+    /// `from`.
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);

@@ -44,8 +44,9 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface that is seen after the bounces `path`, or, in a mask, the mirror or glass that shows this
-    /// surface. The key is empty if it would equal the member `surface`.
+    /// The surface that is seen after the reflections and refractions `path`. A mask tells how much of each
+    /// pixel shows a reflected or transmitted image; there, `shown` is the mirror or glass that shows the
+    /// image. If this is the surface in the member `surface`, the key `shown` stays empty.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
@@ -60,16 +61,19 @@ struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// This factor times the distance of a pixel from the kernel's centre, in px, is the mean lens point
-    /// through which the sample's light arrives there, in lens radii.
+    /// Tells through which part of the lens the sample's light reaches a pixel. The distance from the
+    /// kernel's centre to the pixel, in px along x and y, is multiplied by this factor. The product is the
+    /// mean lens point through which the light passes, in lens radii from the lens's centre.
     float lens_per_px = 0;
-    /// The part of the sample's `weight` that a surface in front hides from all lens points, because both lie
-    /// at nearly the same depth.
+    /// Part of `weight` that no lens point sees. A surface in front hides it from the pinhole. This surface
+    /// lies at nearly the same depth, so both move together in the image when the lens point moves.
+    /// Therefore, it hides this part from all other lens points too.
     float covered = 0;
 };
 
-/// Samples of one surface in one pixel row of a 64 x 64 px square: the elements [begin, end) of the list of
-/// all samples in the row.
+/// A run of samples that belong to one surface and lie in the same pixel row of a square of 64 x 64 px. The
+/// image is divided into these squares to blur the samples of each square together. The run has the elements
+/// [begin, end) of the list of all samples in the pixel row `row`.
 struct LayerRun {
     std::uint32_t row = 0;
     std::uint32_t begin = 0, end = 0;
@@ -114,8 +118,9 @@ class LayerSplats {
     /// Adds the surface samples at the pixel corners of `rows`, like add_rows(band, y_begin, y_end). Eye rays
     /// that `rows` already contains are not computed again.
     void add_rows(const FrameRows& rows);
-    /// Prepares this object for images of other programs, whose samples lie at pixel centres instead of pixel
-    /// corners. Call it before add_pixels.
+    /// Prepares this object to blur the image of another program instead of a sample file. Such an image has
+    /// its samples at the centres of the pixels, whereas a sample file has them at the corners. Call this
+    /// function before add_pixels.
     /// - `known`: pixel corners of the part of the image whose content is known
     void take_pixels(const RasterWindow& known) {
         from_anchor_px_ = 0.5;
@@ -155,8 +160,9 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Returns the distance of a sample from the upper left corner of its pixel, in px along both axes: 0, or
-    /// 0.5 for images of other programs.
+    /// Returns the position of a sample in its pixel, as the distance from the pixel's upper left corner, in
+    /// px along both axes. It is 0 for a sample file, whose samples lie at pixel corners. It is 0.5 for
+    /// images of other programs, whose samples lie at pixel centres.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
     [[nodiscard]] const RadianceRange& colours() const { return colours_; }

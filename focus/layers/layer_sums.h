@@ -20,14 +20,16 @@ class LayerSums {
     /// Number of sums per pixel: 8, which fill an AVX-512 register, or 12 with the sums for lens_at().
     static constexpr std::size_t plain_values = 8, lens_values = 12;
 
-    /// Sets the sums of blurred light of all pixels in `rows` to 0.
-    /// - `with_lens`: whether lens_at() will be called
+    /// Allocates the sums of blurred light for all pixels in `rows`, and sets them to 0.
+    /// - `with_lens`: whether to compute the sums that lens_at() returns, too. They need more memory and
+    ///   time. If false, lens_at() returns 0.
     /// - `from_anchor_px`: offset of a sample from the top left corner (anchor) of its pixel, along x and y:
     ///   0, or 0.5 if samples lie at pixel centres
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
-    /// Completes the sums of all pixels from the stored differences. Call it after the last `add` and before
-    /// reading the sums.
+    /// Completes the sums of all pixels. add() stores the uniform parts of blurred samples only as
+    /// differences between neighbouring pixels of a row. This function sums up these differences along each
+    /// row. Call it after the last add() and before reading the sums.
     void finish();
 
     [[nodiscard]] const RasterWindow& rows() const { return rows_; }

@@ -13,9 +13,10 @@ double independence(double radius_px, double other_px) {
 
 namespace {
 
-/// A transmittance or coverage that is linear over the lens. Its value at the lens point q, in lens radii, is
-/// mean + 4 tilt . q. `tilt` is the mean of value times q over the lens. The factor is 4 because the mean of
-/// q.x^2 is 1/4.
+/// A function over the lens: how much light (transmittance) or how much of a pixel (coverage) each lens point
+/// sees. It is approximated as linear. `mean` is its mean over the lens, and `tilt` the mean of its value
+/// times q. At the lens point q, in lens radii, its value is mean + 4 tilt . q, because the mean of q.x^2 is
+/// 1/4.
 ///
 /// If two linear functions have the means m1, m2 and the tilts t1, t2, their product has the mean and tilt:
 ///
@@ -29,8 +30,9 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Returns the fraction of a surface's light that is transmitted. Like the transmittance, the light is a
-    /// linear function over the lens: `sum` is its mean, and `moment` its tilt.
+    /// Returns the fraction of a surface's light that passes, if this function is the transmittance of what
+    /// lies in front. The light varies linearly over the lens, too: `sum` is its mean over the lens, and
+    /// `moment` its tilt. So the fraction is the mean of the product, divided by `sum`.
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
         const double varies = sum == 0 ? 0 : 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum;
         return std::clamp(mean + varies, 0.0, 1.0);
@@ -92,15 +94,18 @@ struct Arrived {
         for (std::size_t c = 0; c < 3; ++c) rgb[c] += shown * light.rgb[c];
         const double whole = times * light.alpha;
         alpha += whole * open.passing(light.alpha, light.lens.alpha);
-        // `lens` is the tilt of a product of functions over the lens (see OverLens): the light's alpha times
-        // the transmittance `open`.
+        // The coverage by the light that arrives is a product of two linear functions over the lens: the
+        // light's alpha and the transmittance `open` of the surfaces in front. `lens` sums the tilts of these
+        // products. A tilt (see OverLens) tells on which side of the lens the product is larger.
         lens.x += times * open.mean * light.lens.alpha.x + std::min(whole, 1.0) * open.tilt.x;
         lens.y += times * open.mean * light.lens.alpha.y + std::min(whole, 1.0) * open.tilt.y;
     }
 };
 
-/// Returns the coverage of a pixel by those surfaces in `laid` that shift almost as far as a surface of the
-/// signed CoC radius `radius_px` when the lens point moves.
+/// `laid` has the nearer surfaces at the pixel, which have already been composited. Returns their coverage of
+/// the pixel, but counts only those that shift nearly as far as a given surface when the lens point moves.
+/// `radius_px` is the signed CoC radius of this surface. A surface counts fully if it shifts equally, and not
+/// at all if it shifts independently.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     for (std::size_t i = laid.size(); i-- > 0;) {
@@ -129,8 +134,10 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     double total = 0;
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        // The pinhole sees the samples `f.seen`. A nearer surface at nearly the same depth moves with them,
-        // so it hides them from no lens point. `open` is the transmittance of all other nearer surfaces.
+        // `f.seen` has the samples of this surface that the pinhole sees, so no nearer surface hides them
+        // from the pinhole. If a nearer surface lies at nearly the same depth, it moves together with them
+        // when the lens point moves. It therefore hides them from no lens point at all. So `open` is the
+        // transmittance of only the other nearer surfaces.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
@@ -139,8 +146,10 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // If less of the surface's light arrives than nearer surfaces must leave visible (`least`), some of
-        // its hidden light is added. Scaling up the visible light could make pixels arbitrarily bright.
+        // `light` is the light that arrives from this surface. If its alpha is less than `least`, the part
+        // that the nearer surfaces must leave visible, some of the blocked light is added. Multiplying the
+        // light that arrives by a factor would be wrong instead: if it is very small, this could make the
+        // pixel arbitrarily bright.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)
@@ -150,8 +159,9 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // Limits the tilt of the transmittance `free`. A function over the lens with values from 0 to 1 and
-        // the mean A has at most the tilt A (1 - A).
+        // `free` is the transmittance of all surfaces so far, as a linear function over the lens. Rounding
+        // and the linear approximation may make its tilt too large. A function with values from 0 to 1 and
+        // the mean A has a tilt of at most A (1 - A), so the tilt is limited to this value.
         const double most = free.mean * (1 - free.mean),
                      is = std::sqrt(free.tilt.x * free.tilt.x + free.tilt.y * free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};

@@ -8,8 +8,9 @@
 
 namespace postlens {
 
-/// Sum of each part of some light, times the lens point through which it passes, in lens radii. It shows on
-/// which side of the lens the light is concentrated.
+/// The moment of some light over the lens: the sum over all its parts, each multiplied by the lens point
+/// through which it passes, in lens radii from the lens's centre. It shows on which side of the lens the
+/// light is concentrated. It is 0 if the light passes evenly through the lens.
 struct LensMoment {
     double x = 0, y = 0;
 };

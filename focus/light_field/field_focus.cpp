@@ -147,8 +147,10 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // With follow_px < 0, mirror images are reprojected separately from their mirror. This is needed if
-    // anything moves, because motion may shift the two differently.
+    // If a mirror image moves in nearly the same way as its mirror when the lens point moves, both are drawn
+    // together. follow_px is the largest difference in px for which this is done; a negative value means
+    // never. Motion of objects may shift the image and the mirror differently. So if anything moves, they are
+    // always drawn separately.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
@@ -176,8 +178,10 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // Rays can be aimed at highlights only if all surfaces fit into memory. Here they do not, so if rays
-        // are traced, highlights are reprojected with all other light.
+        // Highlights are normally spread over the image by the lens's blur kernel, and traced rays must leave
+        // out their light. What they must leave out is computed from all surfaces at once, but here the
+        // surfaces do not fit into memory. So if rays are traced, no highlights are separated (`takes` is
+        // null): their light is drawn in the views with all other light.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -274,8 +278,10 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets,
     }
     std::optional<FieldStrips> strips;
     if (!p.all) {
-        // Occluders of a highlight are searched from any point of the lens, not only from those of the views.
-        // So a group of image rows needs all surfaces that the whole lens sees there.
+        // The image is drawn in groups of rows, and for each group only the surfaces that its rows can show
+        // are read. The light of a highlight may reach a pixel through any point of the lens, so occluders
+        // are searched from all of these points, not only from those of the views. Therefore, the whole
+        // extent of the lens counts.
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
     }

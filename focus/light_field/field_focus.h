@@ -36,8 +36,10 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< if absent, all views show the frame's own instant
-    /// Pixels that show one static surface from all lens points need no views. If they are at least this
-    /// fraction of all pixels, they are left undrawn.
+    /// If all lens points see the same static surface in a pixel, the pixel needs no views, because the
+    /// simpler method `scatter` is exact there. This value is the smallest fraction of all pixels for which
+    /// it is worthwhile to leave such pixels out. They are then marked in FieldFocus::left_out. If it is not
+    /// set, all pixels are drawn.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
     /// If set, only the pixels in this rectangle are drawn, bit-identical to those of the whole image. All
@@ -68,14 +70,16 @@ struct FieldViews {
     /// function is set, the whole image is drawn.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
-    // These functions select what rays replace, and where rays measure the error of recorded light and of
-    // highlights (see PatchViews). Unused if no rays are traced.
+    // The following three functions are used only if rays are traced. For an image square or pixel, they
+    // select which samples of the views rays replace (`left_to_rays`), in which views rays measure the error
+    // of the recorded light (`checked`), and whether rays measure the error of the highlights (`aimed`).
+    // PatchViews describes them.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     std::function<double(int x, int y)> aimed;
-    /// Index of the image to which the lens points of this set contribute, if several images are drawn
-    /// together. If several sets contribute to one image, their functions `wanted` must select different
-    /// squares of it.
+    /// Several images can be drawn together, each from one or more sets of lens points. This is the index of
+    /// the image to which this set belongs. If several sets belong to one image, each must draw other squares
+    /// of it, so their functions `wanted` must not select the same square.
     std::size_t picture = 0;
 };
 
@@ -94,8 +98,8 @@ class FieldFocuser {
     FieldFocuser(FieldFocuser&&) = delete;
     FieldFocuser& operator=(FieldFocuser&&) = delete;
 
-    /// Draws the image that the lens points of one set see on average. The result is bit-identical for any
-    /// number of threads.
+    /// Draws one image: the mean of the images that the lens points of the set `views` see. The result is
+    /// bit-identical for any number of threads.
     [[nodiscard]] FieldFocus draw(const FieldViews& views) const;
     /// Draws the images of several sets of lens points in one pass, which is faster than one pass for each
     /// set. The results reuse the memory of the images in `reuse`, which must have the same size.
