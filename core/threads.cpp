@@ -118,9 +118,10 @@ void parallel_chunks(std::size_t count, std::size_t grain,
                 }
             },
             context);
-        // This loop may be part of an outer loop. If another part throws, TBB also cancels this loop, but
-        // reports no error here; the caller would go on with incomplete results. TBB passes on only the first
-        // exception.
+        // This loop may run inside an outer loop. If another part of the outer loop throws, TBB also cancels
+        // this loop. But TBB reports no error here, so the caller would go on with incomplete results.
+        // Therefore, this throws an error of its own. TBB passes on only the first exception, so the user
+        // sees the real cause.
         if (context.is_group_execution_cancelled()) fail(ExitCode::interrupted, "an outer loop has failed");
     });
 }

@@ -1,5 +1,6 @@
-// Reads values of given types from TOML tables. Errors name the line and column. Include it only in .cpp
-// files that read TOML, because toml++ takes seconds to compile.
+// Reads values of given types from the tables of a TOML file. If a value is missing or wrong, the error names
+// its line and column in the file. Include this header only in .cpp files that read TOML, because it includes
+// the library toml++, which takes seconds to compile.
 #pragma once
 
 #include <filesystem>
@@ -40,8 +41,8 @@ class TomlTable {
     [[nodiscard]] const std::string& what() const { return what_; }
     void rename(std::string what) { what_ = std::move(what); }
 
-    /// Throws if the table has a key that is in none of the lists. The error names this key and the most
-    /// similar known one.
+    /// Throws if the table contains a key that is in none of the lists in `known`. Such a key is probably
+    /// misspelled. The error therefore names the key and the known key that is most similar to it.
     void allow_only(std::initializer_list<std::span<const std::string_view>> known) const;
     [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
 

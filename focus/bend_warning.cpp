@@ -32,12 +32,12 @@ class Misplaced {
     double px_per_bend_;  ///< error of a node's position seen from the lens's rim, in px, for a w_bend of 1
 };
 
-/// Returns the blur radius of a surface sample, in px: the root mean square of the semi-axes of its blur
-/// ellipse.
+/// Returns the blur radius of a surface sample, in px. The blur of a sample is an ellipse, and this radius is
+/// the root mean square of its semi-axes.
 ///
-/// The matrix gain R (I / s - W) maps the unit disc (the lens) to this ellipse. R is the aperture radius, s
-/// the focus distance, and gain the film distance in px. The sample's 2x2 matrix W, in 1/m, tells how its
-/// image shifts when the lens point moves.
+/// The matrix gain R (I / s - W) maps the unit disc (the lens) to this ellipse. I is the unit matrix, R the
+/// aperture radius, s the focus distance, and gain the film distance in px. The sample's 2x2 matrix W, in
+/// 1/m, tells how its image shifts when the lens point moves.
 double blur_px(const Record& r, const FocusGeometry& lens) {
     const double s = lens.inverse_focus_per_m;
     const double a = s - static_cast<double>(r.w.xx), b = static_cast<double>(r.w.xy),

@@ -11,17 +11,18 @@
 
 namespace postlens {
 
-/// Returns the warning "nonlinear" with the share of affected pixels. In an affected pixel, the object is
-/// misplaced by more than half a pixel when it is reprojected to some point of the lens.
+/// Returns a warning of the kind "nonlinear", with the share of pixels that reprojection to other lens points
+/// draws wrongly. A pixel counts if its surface is misplaced by more than half a pixel when it is reprojected
+/// to some point of the lens.
 ///
-/// Returns nothing if no pixel is affected, or if the file does not store reprojection errors (w_bend). If
-/// `crop` is set, only pixels within it are counted.
+/// Returns nothing if no pixel counts, or if the file does not store reprojection errors (w_bend). If `crop`
+/// is set, only pixels within it are counted.
 [[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens,
                                                        const std::optional<Crop>& crop = std::nullopt);
 
-/// Computes an image of the light that reprojection misplaces. The light of a surface sample counts if its
-/// position is wrong by more than half a pixel for some lens point. It is spread over a square as wide as the
-/// sample's blur.
+/// Computes an image that shows where reprojection to other lens points misplaces light, and how much. It
+/// contains the light of each surface sample whose position is wrong by more than half a pixel for some lens
+/// point. The light of a sample is spread over a square as wide as the sample's blur.
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);

@@ -11,8 +11,9 @@
 
 namespace postlens {
 
-/// Nearest and farthest depth of the surfaces at each pixel corner along the border of the traced area. Only
-/// surfaces that the pinhole sees directly count.
+/// The depths of the surfaces along the border of the traced area. For each pixel corner at this border, the
+/// nearest and the farthest depth are kept, because the blur there is largest at one of them. Only surfaces
+/// that the pinhole sees directly count.
 class BorderDepths {
   public:
     /// `source` is the window of the recorded pixel corners.

@@ -113,8 +113,9 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
         end = row + 1;
         while (end < rows && bytes(row, end + 1) <= most_bytes) ++end;
         const int y = row * block_px, y_end = std::min(end * block_px, picture.height());
-        // A single row of blocks may need more than `most_bytes` of memory. It is then divided into parts,
-        // which are drawn from left to right.
+        // The image is divided into square blocks, and as many rows of blocks are drawn at once as fit into
+        // `most_bytes` of memory. Even a single row of blocks may need more memory. It is then divided into
+        // parts, which are drawn one after another from left to right.
         const auto parts = static_cast<int>(std::min<std::uint64_t>(
             bytes(row, end) / std::max<std::size_t>(most_bytes, 1) + 1, static_cast<std::uint64_t>(columns)));
         const int width = (columns + parts - 1) / parts * block_px;
@@ -123,8 +124,9 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
     }
 }
 
-/// Converts the geometry from px of the magnified image to px of the traced image, because images are blurred
-/// before they are magnified by `zoom`.
+/// Returns the lens geometry with all lengths on the film in px of the traced image instead of px of the
+/// final image. The final image may be magnified by the factor `zoom`. Images are blurred first and magnified
+/// afterwards, so blurring needs the px of the traced image.
 FocusGeometry in_traced_px(FocusGeometry geometry) {
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;

@@ -30,11 +30,13 @@ struct FocusSettings {
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
     Impulse impulse;
-    /// Number of depths for which blur kernels are computed, from 2 to DepthLevels::most_depths. Every sample
-    /// uses the kernel of the nearest of these depths.
+    /// Number of depths for which blur kernels are computed, from 2 to DepthLevels::most_depths. Every
+    /// surface sample uses the kernel of the nearest of these depths. More depths make the blur more
+    /// accurate, but need more memory and time.
     ///
-    /// By default, the depths are so dense that rounding to them changes CoC diameters by less than half a
-    /// pixel. The change may be larger if `spacing` is linear in depth, or for diameters above 2048 px.
+    /// If this is not set, the depths are so dense that rounding to them changes CoC diameters by less than
+    /// half a pixel. The change may be larger if `spacing` is linear in depth, or for diameters above 2048
+    /// px.
     std::optional<int> depths;
     /// Number of lens points from which the method `lightfield` makes images, 1 to most_lens_views.
     int views = default_lens_views;
@@ -58,8 +60,9 @@ struct FocusWarning {
 struct FocusResult {
     Image image;
     FocusMethod method = FocusMethod::scatter;  ///< the method used; `pinhole` if the aperture is 0
-    /// Number of depths for which blur kernels were computed. If FocusSettings::depths is not set, it is the
-    /// number of different CoC radii in use. It is 0 for a pinhole.
+    /// Number of depths for which blur kernels were computed. It is FocusSettings::depths if that is set.
+    /// Otherwise, it is the number of different CoC radii that occur in the image. It is 0 for a pinhole,
+    /// which needs no blur kernels.
     int depths = 0;
     int views = 0;              ///< number of views of `lightfield`
     double largest_coc_px = 0;  ///< largest CoC diameter of a surface seen directly, px of the image
@@ -77,8 +80,8 @@ struct FocusResult {
 /// focus_picture(FocusFrame&, ...).
 [[nodiscard]] FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings);
 
-/// Computes the image of a pinhole camera by summing the surface samples of each pixel. It is bit-identical
-/// to the flat image that the file also contains (part 0).
+/// Computes the sharp image of a pinhole camera: the colour of each pixel is the weighted sum of its surface
+/// samples. The result is bit-identical to the flat image that the sample file also contains (part 0).
 [[nodiscard]] Image pinhole_picture(const SampleFileReader& file,
                                     const std::optional<Crop>& crop = std::nullopt);
 

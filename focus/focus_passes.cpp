@@ -20,8 +20,9 @@ namespace {
 /// Objects that cover less than this fraction of a pixel are not written to the Cryptomatte. Renderers use a
 /// similar limit.
 constexpr float least_coverage = 1e-4F;
-/// Smallest number of objects (ranks) that a Cryptomatte stores per pixel. Blurred edges show many objects,
-/// and all separately computed parts of an image must store the same number.
+/// Cryptomatte is a format that stores which objects each pixel shows, as a list (one rank for each object).
+/// This is the smallest number of ranks that is stored per pixel. It is large because blurred edges show many
+/// objects, and fixed because separately computed parts of an image must have the same number.
 constexpr std::size_t least_ranks = 8;
 
 Image::Plane plane(std::string name, std::size_t pixels) {
@@ -124,12 +125,13 @@ std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& fie
         std::count_if(ranked.begin(), ranked.end(), [&](const auto& r) { return r.size() > ranks; }));
 }
 
-/// Returns the standard error of each pixel's colour, as the root mean square over the three channels. It is
-/// estimated from the differences between images from independent sets of lens points.
+/// Returns the standard error of each pixel's colour, as the root mean square over the three channels. The
+/// image is computed several times, from independent sets of lens points. The differences between these
+/// images show the error.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
-    // All sets of lens points together must have at least this many points. Fewer would make the estimated
-    // error unreliable.
+    // The error is estimated from several sets of lens points. All these sets together must have at least
+    // this many points, because fewer points would make the estimated error unreliable.
     constexpr int least_views = 64;  // of all sets together
     const int views = s.views;
     s.views = std::max(1, views / 2);

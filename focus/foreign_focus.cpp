@@ -273,8 +273,9 @@ class Spread {
         return finish(SplatTables(source, window_, geometry_, levels_, DepthModel::path, response_), scatter);
     }
 
-    /// Divides alpha by the fraction of the lens that sends light to the pixel, because vignetting must not
-    /// reduce alpha. Where this fraction is 0, alpha becomes 1.
+    /// Divides alpha by `open`, the fraction of the lens that sends light to the pixel. Towards the image's
+    /// corners, the lens blocks some light (vignetting). This makes the colours darker, but must not make
+    /// pixels translucent. Where `open` is 0, alpha becomes 1.
     void undo_vignetting(const NodeResponses& responses, Image& alpha) const {
         for (int y = 0; y < alpha.height; ++y) {
             for (int x = 0; x < alpha.width; ++x) {
@@ -359,8 +360,9 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
         of_picture.is_see_through = ends_in_nothing(behind[i], open);
     }
     if (auto warning = guessed_warning(of_picture, picture)) out.warnings.push_back(*std::move(warning));
-    // A hole in the image is filled from surrounding pixels, which may lie outside the crop. The whole image
-    // is then drawn.
+    // A hole is a pixel in which no lens point sees a surface. It is filled from the surrounding pixels, and
+    // these may lie outside the crop, where nothing has been drawn. So if the crop contains a hole, the whole
+    // image is drawn.
     const auto is_gap = [](float covered) { return !(covered > 0); };
     if (crop && std::any_of(field.covered.begin(), field.covered.end(), is_gap)) {
         s.drawn = window;

@@ -7,17 +7,18 @@
 
 namespace postlens {
 
-/// Computes the image that a lens forms, with the method `pinhole`, `scatter`, `layers` or `lightfield`. A
-/// translucent result has alpha and premultiplied colours.
+/// Computes the image that a lens forms of an image from another program with depths. The method is
+/// `pinhole`, `scatter`, `layers` or `lightfield`. If the result is translucent, it has alpha and
+/// premultiplied colours.
 ///
-/// Pixels shared by several objects keep their mixed colour, unless `unmix_edges` was called before to
+/// A pixel that several objects share keeps their mixed colour, unless `unmix_edges` was called before to
 /// separate them. The result is bit-identical for any number of threads. Throws Error(wrong_arguments) if a
 /// setting is out of range or if the method is none of these four.
 [[nodiscard]] FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& asked);
 
-/// Converts an impulse response to pixels that are `pixel_aspect` times as wide as tall; the unit of length
-/// is the height of a pixel. Throws Error(wrong_arguments) for diffraction or a lens prescription if pixels
-/// are not square.
+/// Converts an impulse response, the image of a point, to pixels that are not square: `pixel_aspect` times as
+/// wide as tall. Its unit of length is the height of a pixel. Throws Error(wrong_arguments) for diffraction
+/// or a lens prescription if pixels are not square.
 [[nodiscard]] Impulse impulse_in_px(const Impulse& impulse, double pixel_aspect);
 
 }  // namespace postlens

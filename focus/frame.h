@@ -67,9 +67,9 @@ class FocusFrame {
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// Returns the largest Record::w_bend of each pixel, in 1/m^2. It bounds the position error of linear
-    /// reprojection to other lens points (see LargestBends). The result has the rows [y_begin, y_end), and
-    /// possibly more rows.
+    /// Returns, for each pixel, the largest Record::w_bend of its surface samples, in 1/m^2. It bounds the
+    /// error of a sample's position when the sample is reprojected linearly to another lens point (see
+    /// LargestBends). The result contains the image rows [y_begin, y_end), and possibly more rows.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
     /// Returns the depths of the surfaces at the border of the traced area (image and overscan), at the first

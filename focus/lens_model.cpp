@@ -28,8 +28,9 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] bool varies_over_field() const override { return true; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
-        // All samples in a square of the image share one blur kernel. The square is so small that the kernel
-        // changes within it by at most half a pixel or 2 % of its radius, whichever is larger.
+        // Returns the width, in px, of the squares of the image in which all samples with the same blur share
+        // one kernel. The kernel of a real lens changes over the image. The squares are so small that it
+        // changes within one by at most half a pixel or 2 % of its radius, whichever is larger.
         constexpr double within_px = 0.5, within_share = 0.02, narrowest_px = 8, widest_px = 1024;
         const double w = inverse_depth_per_m(map_px);
         const double within = std::max(within_px, within_share * geometry_.gain_px * table_.reach(w));
@@ -57,15 +58,17 @@ class LensModel final : public ResponseModel {
                                              geometry_.aperture_radius_m,
                              .axis = place_px > 0 ? request.place_px / place_px : glm::dvec2(0, 1),
                              .centre_px = request.phase_px};
-        // The shape of blur smaller than a pixel is invisible, so it is drawn as a disc. A disc centred on a
-        // pixel corner gives each of the four pixels around the corner the same light.
+        // If the blur is smaller than a pixel, its shape is invisible, so it is drawn as a disc. A disc has
+        // the advantage that it is symmetric: centred on a pixel corner, it gives each of the four pixels
+        // around this corner the same light.
         constexpr double least_px = 0.5;
         const double size_px = fan_reach_px(fan, image);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // A large astigmatic blur is drawn as an ellipse. The lens's other aberrations would change its shape
-        // too, but are invisible in so large a blur.
+        // If the blur is large and the lens or a mirror makes it astigmatic (`further_px_m` is not 0), it is
+        // drawn as an ellipse. The other aberrations of the lens would change its shape too, but in so large
+        // a blur, this change is invisible.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,

@@ -11,8 +11,9 @@
 
 namespace postlens {
 
-/// Reads the real lens that `settings.impulse` describes, and focuses it. Returns nothing if
-/// `settings.impulse` describes no real lens. Throws if the lens cannot be read or focused.
+/// Reads the real lens that `settings.impulse` describes, for example a lens prescription, and focuses it at
+/// the distance in `settings`. Returns nothing if `settings.impulse` does not describe a real lens. Throws if
+/// the lens cannot be read or focused.
 /// - `recorded`: range of the pixel corners of the traced area, including overscan
 [[nodiscard]] std::optional<LensView> real_lens(const FocusSettings& settings, const Film& film,
                                                 ImageSize picture, const RasterWindow& recorded);

@@ -15,8 +15,9 @@
 namespace postlens {
 namespace {
 
-/// Samples of neighbouring pixels belong to different surfaces if their signed CoC radii (negative in front
-/// of the focus) differ by at least this, in px.
+/// Smallest difference, in px, between the signed CoC radii of two samples that belong to different surfaces.
+/// If samples of neighbouring pixels differ by less, they count as one surface. The radii are negative in
+/// front of the focus.
 constexpr float least_step_px = 1;
 /// The surface that is hidden behind a pixel is estimated from farther surfaces in its surroundings. This is
 /// the largest distance of the search for them, in px.
@@ -190,8 +191,9 @@ class BehindSearch::Impl {
         bool fills = false;                  ///< as Behind::fills
     };
 
-    /// Visits pixels one after another, from (x, y) in the direction `d`, and calls `take` for each. Stops if
-    /// `take` returns true, or at a distance where no circle of confusion can overlap that of (x, y).
+    /// Visits the pixels that lie in the direction `d` from (x, y), one after another, and calls `take` for
+    /// each. `blur_px` is the blur radius of the pixel (x, y). The walk ends if `take` returns true, or at a
+    /// distance where the circle of confusion of no pixel can overlap that of (x, y).
     template <typename Take>
     void walk(int x, int y, const Direction& d, float blur_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -203,8 +205,9 @@ class BehindSearch::Impl {
             if (take(static_cast<float>(s) * step_px, x, y)) return;
         }
     }
-    /// Returns whether two circles of confusion overlap, or lie at most a pixel apart. `distance_px` is the
-    /// distance between the centres of the two circles.
+    /// Returns whether the blurs of two samples can cover the same pixels: their circles of confusion
+    /// overlap, or lie at most one pixel apart. `a` and `b` have the radii of these circles, and
+    /// `distance_px` is the distance between their centres.
     [[nodiscard]] bool reach_each_other(float distance_px, const Radii& a, const Radii& b) const {
         const float other = b.is_nothing() ? 0 : std::abs(b.blur) + aberration_px_;
         return distance_px <= std::abs(a.blur) + aberration_px_ + other + 1;
@@ -305,8 +308,10 @@ class BehindSearch::Impl {
         return is_near;
     }
 
-    /// Searches from the pixel (x, y) in `direction` for the first farther surface whose circle of confusion
-    /// overlaps or touches that of the pixel. `own` has the CoC radii of the pixel's surface.
+    /// Searches for a surface that may be visible behind the surface of the pixel (x, y) when the image is
+    /// blurred. It goes from this pixel in `direction`, and returns the first surface that is farther away
+    /// and whose circle of confusion overlaps or touches that of the pixel. `own` has the CoC radii of the
+    /// pixel's surface.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -476,8 +481,9 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
     for (int y = window.y_begin; y < window.y_end; ++y) {
         for (int x = window.x_begin; x < window.x_end; ++x) {
             const std::size_t k = at(x, y);
-            // The blur may reach 0.75 px farther than the CoC radius: 0.5 px for half the pixel's width, plus
-            // 0.25 px because kernels are computed for rounded depths.
+            // Sums up the empty space in the square around the pixel from which its blur can come. The blur
+            // may reach 0.75 px farther than the CoC radius: 0.5 px because a pixel extends half its width
+            // beyond its centre, and 0.25 px because kernels are computed for rounded depths.
             const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
             const int reach = static_cast<int>(std::ceil(radius + aberration_px + 0.75)) - 1;
             const int column = x - known.x_begin, row = y - known.y_begin;

@@ -38,9 +38,9 @@ struct Behind {
     bool fills = false;  ///< the pixel is translucent, with only empty space behind it and its neighbours
 };
 
-/// Estimates which surface lies behind each stored pixel, because a lens may see past an edge. It searches
-/// eight directions for a farther surface whose blur reaches the pixel. Empty space counts as the farthest
-/// surface.
+/// Estimates which surface lies behind the visible surface of each stored pixel. This is needed because a
+/// lens may see past an edge, but the image shows nothing behind it. The search goes in eight directions to
+/// the nearest farther surface whose blur reaches the pixel. Empty space counts as the farthest surface.
 ///
 /// The colour is the mean of the samples found, weighted by 1 / squared distance. If samples have ids, only
 /// the object with the largest sum of weights counts.

@@ -15,7 +15,8 @@ struct ObjectEffects {
     std::vector<ObjectChoice> holdouts;
     /// Objects that are not blurred.
     std::vector<ObjectChoice> sharp;
-    /// An object that is blurred as if it were `metres` farther away. What it hides still depends on its true
+    /// An object that is blurred as if it were `metres` farther away than it is. A negative value means
+    /// nearer. Only the blur changes: which objects it hides, and which hide it, still depends on its true
     /// depth.
     struct Offset {
         ObjectChoice object;
@@ -24,11 +25,11 @@ struct ObjectEffects {
     std::vector<Offset> offsets;
 };
 
-/// Applies the effects to all samples of the objects that `effects` names. Throws the errors of
-/// `choose_samples`.
+/// Changes the blur of the objects that `effects` names: the effects are applied to all samples of these
+/// objects in `picture`. Throws the errors of `choose_samples`.
 ///
-/// An offset that would move a sample nearer than 1 mm to the camera moves it to 1 mm, and adds the warning
-/// `offset` to picture.repairs.
+/// If an offset would move a sample nearer than 1 mm to the camera, the sample is moved to 1 mm instead, and
+/// the warning `offset` is added to picture.repairs.
 void apply_object_effects(ForeignPicture& picture, const ObjectEffects& effects, double inverse_focus_per_m);
 
 }  // namespace postlens

@@ -20,8 +20,9 @@ namespace postlens {
 /// Their CoC radii must differ by less than a pixel or, above 16 px, by less than 1/16 of the radius.
 [[nodiscard]] bool are_one_surface(const StackSample& a, const StackSample& b, const FocusGeometry& geometry);
 
-/// A sample of an image as a quadrilateral that covers its pixel, with a depth at each corner. A pixel may
-/// have several, one behind another.
+/// A sample of an image, drawn as a quadrilateral that covers the sample's pixel and has a depth at each of
+/// its four corners. A pixel may have several samples, one behind another, so it may have several
+/// quadrilaterals.
 struct Facet {
     /// Number of corners of a pixel. The corner at (x, y) has the index x + 2 y, where x and y are 0 or 1.
     static constexpr std::size_t corners = 4;
@@ -32,9 +33,10 @@ struct Facet {
     bool beyond = false;      ///< lies beyond the border of the picture (BorderExtension)
 };
 
-/// All samples of an image as quadrilaterals, sorted by pixel. They include estimated surfaces behind edges
-/// and beyond the image border. If neighbouring pixels show one surface, their quadrilaterals have the same
-/// depth at the corners that they share.
+/// The surfaces of an image as quadrilaterals, one for each sample, sorted by pixel. Estimated surfaces are
+/// included: those that edges hide, and those beyond the image border. If neighbouring pixels show the same
+/// surface, their quadrilaterals have equal depths at their common corners, so that no gap opens between them
+/// when they are seen from another lens point.
 class Facets {
   public:
     /// Makes the quadrilaterals of the image `p`.

@@ -64,8 +64,9 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
     return out;
 }
 
-/// Returns whether a translucent sample is opaque as seen from lens point number `view`. The fraction of lens
-/// points from which it is opaque equals its alpha (stochastic transparency).
+/// Returns whether the sample `f` counts as opaque when it is seen from the lens point number `view`. A
+/// translucent sample counts as opaque for a random part of the lens points and as transparent for all
+/// others. This part equals its alpha, so the mean over all lens points is correct (stochastic transparency).
 bool is_opaque(const Facet& f, std::uint32_t view) {
     if (f.sample.alpha >= 1) return true;
     // A translucent sample is drawn either as opaque or as transparent, at random for each lens point. It is
@@ -117,8 +118,9 @@ class Band {
             const auto views = static_cast<float>(s_.views);
             for (std::size_t c = 0; c < 3; ++c)
                 out.image.rgb[3 * k + c] = static_cast<float>(sums_[i].rgba[c] / s_.views);
-            // Alpha is averaged over the `passed` lens points that the aperture does not block, because
-            // vignetting must not make a pixel translucent.
+            // The aperture may block some lens points for a pixel near the image's corner (vignetting). This
+            // makes the pixel darker, but must not make it translucent. So alpha is averaged only over the
+            // `passed` lens points that are not blocked.
             const float passed = passed_.empty() ? views : passed_[i];
             const auto alpha = static_cast<float>(sums_[i].rgba[3]);
             out.image.alpha[k] = passed > 0 ? alpha / passed : 1;
@@ -170,8 +172,9 @@ class Band {
                y + std::min(a, b) - margin_px <= static_cast<float>(y_begin_ + rows_);
     }
 
-    /// Finds the pixels that a quadrilateral covers when it is seen from one lens point. Pixels are sampled
-    /// at integer coordinates.
+    /// Draws a quadrilateral as one lens point sees it: finds the pixels that it covers. Its corners are
+    /// shifted by this lens point, depending on their depth. A pixel counts as covered if the quadrilateral
+    /// contains the pixel's sample, which has integer coordinates here.
     void meet(const View& v, const Facet& f, std::uint64_t number, int x, int y) {
         std::array<float, Facet::corners> px{}, py{};
         for (std::size_t c = 0; c < Facet::corners; ++c) {
@@ -204,8 +207,9 @@ class Band {
     [[nodiscard]] static bool inside(const std::array<float, Facet::corners>& px,
                                      const std::array<float, Facet::corners>& py, float x, float y) {
         const auto side = [&](std::size_t a, std::size_t b) {
-            // Neighbouring quadrilaterals list the corners of their common side in the same order. They
-            // therefore compute exactly the same value, which avoids cracks.
+            // Returns on which side of the line from corner a to corner b the point (x, y) lies, as the sign
+            // of a cross product. Neighbouring quadrilaterals list the corners of their common side in the
+            // same order. They therefore compute exactly the same value, so no crack opens between them.
             return (px[b] - px[a]) * (y - py[a]) - (py[b] - py[a]) * (x - px[a]);
         };
         const float top = side(0, 1), right = side(1, 3), bottom = side(2, 3), left = side(0, 2),
@@ -222,9 +226,10 @@ class Band {
         if (is_opaque(f, v.number)) nearest = depth;
     }
 
-    /// Adds the premultiplied colours that the lens point `v` sees in each pixel: those of the nearest opaque
-    /// sample and of all samples in front of it. A translucent sample is opaque for a random share of the
-    /// lens points, so the mean over all lens points equals compositing with "over".
+    /// Adds the colours that the lens point `v` sees in each pixel to the sums over all lens points. These
+    /// are the premultiplied colours of the nearest opaque sample and of all samples in front of it. A
+    /// translucent sample counts as opaque for a random part of the lens points, so the mean over all lens
+    /// points equals compositing with "over".
     void take_hits(const View& v) {
         if (!passed_.empty()) find_passing(v);
         for (const Hit& h : hits_) {
@@ -262,8 +267,9 @@ class Band {
             of_pixel.push_back({s.id, side, s.alpha});
         }
     }
-    /// Tests, for each pixel, whether the lens blocks the light through this lens point (vignetting). The
-    /// result depends on where the ray crosses the plane in focus.
+    /// Tests, for each pixel, whether the lens transmits the light that passes through the lens point of `v`.
+    /// Towards the image's corners, parts of the lens block this light (vignetting). The result depends on
+    /// `field`, the position at which the ray crosses the plane in focus.
     void find_passing(const View& v) {
         passes_.resize(passed_.size());
         const glm::dvec2 middle((s_.window.x_begin + s_.window.x_end) / 2.0,

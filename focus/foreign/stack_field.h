@@ -1,4 +1,5 @@
-// Blurs an image from another program as a light field: the mean of the images seen from many lens points.
+// Blurs an image from another program as a light field: the image is drawn as seen from many lens points, and
+// the blurred image is the mean of these images.
 #pragma once
 
 #include <cmath>
@@ -40,8 +41,9 @@ struct StackField {
     /// The image that the lens forms, with premultiplied colours and alpha. Alpha has random noise, so it may
     /// exceed 1.
     Image image;
-    /// For each pixel, the fraction of lens points that see none of the file's surfaces in this pixel. It is
-    /// 0 if the file shows empty space behind the pixel's samples, because no surface is missing there.
+    /// For each pixel, the fraction of lens points that see none of the file's surfaces in this pixel. For
+    /// example, they look past the image border or behind an edge. If the file shows empty space behind the
+    /// pixel's samples, the value is 0, because no surface is missing there.
     std::vector<float> unseen;
     /// For each pixel, the mean alpha over the lens points, including objects that only hide others
     /// (holdouts). It is below 1 near the image border, where some lens points see nothing.
@@ -52,10 +54,10 @@ struct StackField {
 };
 
 /// Draws an image as seen from many lens points, and returns the mean. `behind` has the estimated surface
-/// behind each pixel, or is empty.
+/// behind the visible surface of each pixel, or is empty.
 ///
-/// Each sample is drawn as a quadrilateral that covers its pixel. The sample is opaque from a random fraction
-/// of the lens points that equals its alpha (stochastic transparency [enderton2010]).
+/// Each sample is drawn as a quadrilateral that covers its pixel. It counts as opaque for a random fraction
+/// of the lens points. This fraction equals its alpha (stochastic transparency [enderton2010]).
 ///
 /// The result is bit-identical for any number of threads, and does not depend on which other pixels are drawn
 /// (`settings.drawn`). Throws Error(wrong_arguments) if the number of lens points (`settings.views`) is out
@@ -63,8 +65,9 @@ struct StackField {
 [[nodiscard]] StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                      const StackFieldSettings& settings);
 
-/// Divides the colours and alpha of each pixel by `field.covered`. Without this division, pixels near the
-/// image border would be too dark, because some lens points see nothing beyond the border.
+/// Divides the colours and alpha of each pixel by `field.covered`, the mean alpha over the lens points. For
+/// pixels near the image border, some lens points see only what lies beyond the border, where the file has no
+/// surface. Without this division, these pixels would be too dark.
 void divide_by_covered(StackField& field);
 
 }  // namespace postlens

@@ -8,9 +8,9 @@
 namespace postlens {
 namespace {
 
-/// Samples are composited with at least this alpha. Samples that emit light but hide nothing, such as flames,
-/// have an alpha of 0, and would otherwise get no weight. Even many samples of this alpha hide almost
-/// nothing.
+/// Samples are composited with at least this alpha. A sample that emits light but hides nothing, such as a
+/// flame, has an alpha of 0, so it would get no weight and its light would be lost. This value is so small
+/// that even many such samples hide almost nothing.
 constexpr double least_alpha = 1e-7;
 /// Smaller shares of a pixel are considered rounding errors.
 constexpr double least_share = 1e-6;

@@ -1,5 +1,6 @@
-// Converts the samples of an image from another program to light that can be blurred (PixelLight). Light that
-// the pinhole sees is separated from light that nearer samples hide.
+// Converts the samples of an image from another program to light that can be blurred (PixelLight). A pixel
+// may have several samples, one behind another. The light that the pinhole sees is separated from the light
+// that nearer samples hide from the pinhole, because other lens points may see it.
 #pragma once
 
 #include <span>
@@ -25,16 +26,19 @@ class StackLights {
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
-    /// Appends the light of one pixel to `out`. `stack` has the samples of the pixel, and `x` is its column.
-    /// - `fills`: whether the last sample counts as opaque even if its alpha is below 1
-    /// - `open`: transmittance of all samples of the pixel together
+    /// Appends the light of one pixel to `out`.
+    /// - `x`: column of the pixel
+    /// - `stack`: the samples of the pixel, from the nearest to the farthest
+    /// - `fills`: whether the last (farthest) sample counts as opaque even if its alpha is below 1
+    /// - `open`: fraction of light that all samples of the pixel together transmit
     /// - `behind`: the estimated surface behind the samples, or null
     /// - `value`: what is blurred, colour or alpha
     void add(int x, std::span<const StackSample> stack, bool fills, double open, const Behind* behind,
              StackValue value, std::vector<PixelLight>& out);
 
-    /// Returns the number of the surface to which samples with this signed CoC radius belong. Radii within
-    /// about 1 px (for large radii, 1/16) have the same number.
+    /// Returns the number of the surface to which samples with this signed CoC radius belong. Samples of one
+    /// pixel are merged to one surface if they are blurred nearly equally. So radii within about 1 px of each
+    /// other have the same number; for large radii, the limit is 1/16 of the radius.
     [[nodiscard]] static std::uint32_t surface_of(double signed_radius_px);
     static constexpr std::uint32_t nothing = ~std::uint32_t{0};
 
@@ -43,10 +47,12 @@ class StackLights {
         std::uint32_t surface;
         double radius_px, seen;
     };
-    /// Two inverse depths of a sample, in 1/m. They differ only if an effect, such as "keep this object
-    /// sharp", changes the blur of the sample's object, but not the order in depth.
-    /// - `order`: depth for compositing
-    /// - `spread`: depth for the circle of confusion
+    /// Two inverse depths of a sample, in 1/m.
+    /// - `order`: depth that decides which samples hide it
+    /// - `spread`: depth that decides how large its circle of confusion is
+    ///
+    /// They differ only if an effect changes the blur of the sample's object, for example "keep this object
+    /// sharp". The effect does not change which objects hide it.
     struct Depths {
         double order = 0, spread = 0;
     };

@@ -13,8 +13,9 @@ using Kind = LayerPart::Kind;
 /// estimate: the colour of the same image, blurred as if it were painted on the mirror.
 constexpr double enough_weight = 0.05;
 
-/// Light that arrives at a pixel after one sequence of reflections and transmissions, such as a single
-/// reflection. `terms` has the sums over the surfaces seen there.
+/// The light that arrives at a pixel after one sequence of reflections and transmissions, for example after a
+/// single reflection. `terms` has the sums of blurred light, one for each surface that is seen after this
+/// sequence. `rgb` is the colour that results from them.
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};
@@ -49,9 +50,9 @@ void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     }
 }
 
-/// Combines the light of one surface at a pixel: its blurred samples that the pinhole sees (`seen`), and
-/// those that are hidden from the pinhole (`hidden`). Either pointer may be null. Returns nothing if there is
-/// no light.
+/// Combines the blurred light of one surface at a pixel. `seen` is the light of its samples that the pinhole
+/// sees, and `hidden` the light of those that other surfaces hide from the pinhole. Either pointer may be
+/// null. Returns nothing if there is no light.
 std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidden) {
     const double weight = (seen != nullptr ? seen->weight : 0.0) + (hidden != nullptr ? hidden->weight : 0.0);
     if (!(weight > smallest_layer_weight)) return std::nullopt;

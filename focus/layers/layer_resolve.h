@@ -25,9 +25,11 @@ struct LayerTerm {
 /// A sum of weights below this counts as 0.
 inline constexpr double smallest_layer_weight = 1e-12;
 
-/// Returns the light of a directly visible surface at a pixel, including its reflections and refractions.
-/// Returns nothing if the surface's blur does not reach the pixel. `terms` has the sums of blurred light of
-/// the surface and of all that it reflects and transmits, sorted by LayerTerm::part.
+/// Returns the light that a directly visible surface sends to a pixel, including what it reflects and
+/// transmits. Returns nothing if the surface's blur does not reach the pixel.
+/// - `terms`: sums of blurred light at this pixel, for the surface and for all that it reflects and
+///   transmits, sorted by LayerTerm::part
+/// - `geometry`: the lens, which decides how differently two depths are blurred
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

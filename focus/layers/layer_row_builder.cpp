@@ -10,8 +10,9 @@ namespace {
 /// From these CoC radii on, in px, the centres of blur discs are rounded to a quarter pixel or a whole pixel.
 /// More samples then share a blur kernel, and the change is not visible.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// Blur radii, in px, for which NodeResponses::phases rounds the centres of blur kernels: the first to
-/// quarter pixels, the second to whole pixels.
+/// Blur radii, in px, that are passed to NodeResponses::phases instead of a sample's own radius, because this
+/// function rounds the centres of larger blur kernels more coarsely. For the first radius, it rounds them to
+/// quarter pixels; for the second, to whole pixels.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -53,8 +54,9 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     const std::uint32_t number = number_of(part);
     const double spherical_px = t_.responses_.model().spherical_px();
     NodeResponse coarser = response;
-    // Rounds the centre of a uniform blur disc to a coarser grid, so that more samples share a kernel. Other
-    // kernels keep finer positions, because a bright core would visibly move.
+    // If the blur kernel is a uniform disc and large enough, its centre is rounded to a coarser grid. More
+    // samples then share a kernel, and the change is invisible. Other kernels, such as those with a bright
+    // core, keep finer positions, because their core would visibly move.
     if (!alone_ && t_.responses_.model().is_even() && response.radius_px >= quarter_steps_from_px)
         coarser.radius_px =
             std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
@@ -83,8 +85,9 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
-        // Merges samples of a pixel with the same surface and blur kernel. Samples that collide in the hash
-        // table stay separate.
+        // Looks for an earlier sample of the same pixel with the same surface and blur kernel, and adds the
+        // new sample to it. The hash table has only one slot per hash value. So if another sample occupies
+        // the slot, the new sample is not merged, which is also correct but slower.
         Slot& slot = slots_[((hash + number) * 0x9E3779B97F4A7C15U) >> 54];
         if (slot.index >= pixel_begin_ && slot.index < row_.splats.size() && slot.key == key) {
             LayerSplat& to = row_.splats[slot.index];
@@ -118,8 +121,9 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
                         is_primary ? primary : t_.responses_.of(node, primary, place_px_),
                         {node.r, node.g, node.b}});
     }
-    // Adds the radiance of each surface point to its parent's, for example that of a mirror image to the
-    // mirror's. The list has parents first, so it is traversed backwards.
+    // Computes the radiance of each surface point including all that it reflects and transmits (`subtree`).
+    // To this end, the radiance of each point is added to that of its parent: for example, a mirror image to
+    // its mirror. Parents precede their children in the list, so it is traversed backwards.
     for (std::size_t i = met_.size(); i-- > 0;) {
         if (met_[i].node->path == NodePath()) continue;
         for (Met& parent : met_) {

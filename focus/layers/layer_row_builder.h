@@ -32,9 +32,9 @@ class LayerSplats::RowBuilder {
     void begin_row(int y);
     void end_row();
     void add_light(const PixelLight& light);
-    /// Surface samples that the eye ray through (x, y) hits, directly and by reflections and refractions,
-    /// from one depth layer. Layer 0 has the surfaces that the pinhole sees. All other layers have hidden
-    /// surfaces.
+    /// The surface samples of one layer on the eye ray through the raster position (x, y), in px: the surface
+    /// that the ray hits, and what this surface reflects and transmits. Layer 0 contains what the pinhole
+    /// sees. All other layers contain surfaces that are hidden from the pinhole.
     struct Nodes {
         float x, y;
         std::span<const Record> records;

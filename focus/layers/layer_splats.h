@@ -53,8 +53,10 @@ struct LayerPart {
     friend auto operator<=>(const LayerPart&, const LayerPart&) = default;
 };
 
-/// A blurred sample: colour, weight, inverse depth, and the number of its blur kernel in
-/// LayerSplats::kernels().
+/// A sample that will be blurred. `kernel` is the index of its blur kernel in LayerSplats::kernels(). If
+/// several samples are merged, each value is their sum.
+/// - `weight`: the image area that the sample represents, in px^2, times its alpha and the transmittance of
+///   the lens
 /// - `r`, `g`, `b`: colour times `weight`
 /// - `depth`: inverse depth times `weight`, in 1/m
 struct LayerSplat {
@@ -95,8 +97,9 @@ struct RadianceRange {
     void include(const RadianceRange& other);
 };
 
-/// The samples of an image with their blur kernels, grouped by surface. Add each row once, in any order, and
-/// then call finish().
+/// All samples of an image that will be blurred, with their blur kernels. They are grouped by the surface to
+/// which they belong, because the method `layers` blurs each surface separately. Add each row of the image
+/// once, in any order, and then call finish().
 class LayerSplats {
   public:
     /// The arguments are those of SplatTables.
@@ -109,14 +112,16 @@ class LayerSplats {
     LayerSplats(LayerSplats&&) = delete;
     LayerSplats& operator=(LayerSplats&&) = delete;
 
-    /// Adds the surface samples at the pixel corners of the rows [y_begin, y_end) to those to be blurred.
-    /// `band` must contain these rows and, if the file has them, the rows directly above and below. Throws
-    /// Error(invalid_input) if a pixel's quadtree is damaged.
+    /// Adds the surface samples at the pixel corners of the image rows [y_begin, y_end) to the samples that
+    /// will be blurred. `band` has the records of the sample file. It must contain these rows and, if the
+    /// file has them, the rows directly above and below. Throws Error(invalid_input) if a pixel's quadtree is
+    /// damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// Adds the surface samples at the pixel corners of `rows`, like add_rows(band, y_begin, y_end). Eye rays
-    /// that `rows` already contains are not computed again.
+    /// Adds the surface samples at the pixel corners of `rows`, like add_rows(band, y_begin, y_end). `rows`
+    /// may already contain the eye rays that belong to these samples. They are then used, and not computed
+    /// again.
     void add_rows(const FrameRows& rows);
     /// Prepares this object to blur the image of another program instead of a sample file. Such an image has
     /// its samples at the centres of the pixels, whereas a sample file has them at the corners. Call this
@@ -133,9 +138,10 @@ class LayerSplats {
     /// Builds the blur kernels and sorts the samples by surface. Call it after the last row.
     void finish();
 
-    /// A large image is computed in strips (groups of rows), to save memory. First call survey() and add all
-    /// samples, to find the surfaces and blur kernels. Then, for each strip, call begin_strip(), add the rows
-    /// that it returns once more, and call finish_strip().
+    /// Starts the first of two passes, in which a large image is computed in strips (groups of rows) to save
+    /// memory. In the first pass, all samples are added once after survey(), only to find the surfaces and
+    /// blur kernels. In the second pass, call begin_strip() for each strip, add the rows that it returns
+    /// again, and call finish_strip().
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();

@@ -13,14 +13,16 @@ namespace {
 // NOLINTBEGIN(modernize-use-using): see above
 typedef double FourDoubles __attribute__((vector_size(32)));
 typedef double EightDoubles __attribute__((vector_size(64)));
-/// Types for loading and storing vectors at unaligned addresses. Variables have the aligned types FourDoubles
-/// and EightDoubles instead, because the compiler keeps only aligned types in registers.
+/// Vector types that are only used to load values from memory and to store them there, at addresses that may
+/// be unaligned. Variables have the aligned types FourDoubles and EightDoubles instead, because the compiler
+/// keeps only aligned types in registers.
 typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double EightStored __attribute__((vector_size(64), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
 
-/// The values of a sample that are summed in each pixel, after multiplication by the blur kernel. Their order
-/// is that of LayerSums::sums_.
+/// The values of one sample that are added to the sums of each pixel. Before, they are multiplied by the
+/// value of the sample's blur kernel at this pixel. Their order is that of the values of a pixel in
+/// LayerSums::sums_.
 struct PlainValues {
     static constexpr std::size_t count = LayerSums::plain_values;
     EightDoubles light;
@@ -84,8 +86,9 @@ constexpr std::size_t longest_run = 64;
 /// the row's ends.
 constexpr std::size_t padding = 8;
 
-/// Returns how many samples, from the first one on, can be blurred together: samples of adjacent pixels with
-/// the same kernel. Returns 0 if the blur of the first sample does not reach the pixel window `rows`.
+/// Returns how many samples of the list `splats`, from the first one on, can be blurred together. These
+/// samples lie in adjacent pixels of a row and have the same blur kernel. Returns 0 if the blur of the first
+/// sample does not reach the window of pixels `rows`.
 __attribute__((always_inline)) inline std::size_t run_length(std::span<const LayerSplat> splats,
                                                              const Reach& reach, const RasterWindow& rows) {
     const LayerSplat& s = splats[0];
@@ -99,9 +102,9 @@ __attribute__((always_inline)) inline std::size_t run_length(std::span<const Lay
     return n;
 }
 
-/// Convolves a row of values with a short kernel row (`taps`). Its length is a template argument, so that the
-/// compiler can unroll the loop. For the usual two to four taps, the loop itself would take longer than the
-/// sums.
+/// Convolves a row of samples (`values`) with a short row of a blur kernel (`taps`), and adds the result to
+/// `pixels`. The length of the kernel row is a template argument, so that the compiler can unroll the loop
+/// over it. For the usual length of two to four, a loop would take longer than the sums themselves.
 template <typename Values, int taps_end>
 __attribute__((always_inline)) inline void convolve_few(const Values* values, const double* taps, int count,
                                                         double* pixels) {
@@ -257,8 +260,9 @@ void add_with_lens(const LayerPass& pass) {
     add_splats<LensValues>(pass);
 }
 
-/// Adds a row of `width` pixels, each with `numbers` values, to `sums`. `changes` stores the row as
-/// differences between neighbouring pixels, so the cumulative sums of `changes` are the values.
+/// Adds a row of `width` pixels to `sums`. Each pixel has `numbers` values. The row is stored in `changes` as
+/// differences: each pixel contains its values minus those of the pixel on its left. So the values themselves
+/// are the cumulative sums of `changes`.
 template <std::size_t numbers>
 __attribute__((always_inline)) inline void sum_row(double* sums, const double* changes, std::size_t width) {
     double inside[numbers] = {};

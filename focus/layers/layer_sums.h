@@ -10,11 +10,12 @@
 
 namespace postlens {
 
-/// Sums over the blurred samples of one surface, for each pixel of a block: colour, weight and depth, each
-/// multiplied by the blur kernel.
+/// Sums over the blurred samples of one surface, for each pixel of a block of the image. The colour, weight
+/// and depth of each sample are multiplied by its blur kernel and added.
 ///
-/// The uniform interior of a kernel is stored as differences between neighbouring pixels, which are 0 except
-/// at its outline. So the time per sample is proportional to the outline's length.
+/// The interior of a kernel is often uniform. It is therefore stored as differences between neighbouring
+/// pixels, which are 0 except at the kernel's outline. So the time for a sample is proportional to the length
+/// of the outline, not to the area.
 class LayerSums {
   public:
     /// Number of sums per pixel: 8, which fill an AVX-512 register, or 12 with the sums for lens_at().
@@ -37,8 +38,9 @@ class LayerSums {
     [[nodiscard]] const double* at(int x, int y) const { return sums_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[4]; }
     [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[5]; }
-    /// Returns two sums over the samples at a pixel: of light times the lens point through which it passes,
-    /// and of weight times this point. They tell through which side of the lens the light arrives.
+    /// Tells through which side of the lens the blurred light at a pixel arrives. Returns two sums over the
+    /// samples that reach the pixel. The first is the sum of light times the lens point through which it
+    /// passes, in lens radii. The second is the sum of weight times this point.
     [[nodiscard]] LensMoments lens_at(int x, int y) const;
 
   private:

@@ -21,8 +21,9 @@ constexpr int block_height = layers_block_px;
 /// pixel, and takes about 200 B. Blocks of the image with more fragments are computed in groups of rows.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
 
-/// Composites the surfaces at the pixel (x, y) by depth and stores the colour in `out`. If each colour
-/// channel has its own blur kernels, only `channel` is stored.
+/// Composites the surfaces in `fragments`, which are those that reach the pixel (x, y), from near to far, and
+/// stores the colour in `out`. If each colour channel has blur kernels of its own, only the channel number
+/// `channel` is stored.
 void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int y, std::size_t channel,
            float* out) {
     const bool all = splats.kernels().channels() == 1;
@@ -40,15 +41,17 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     const std::array<double, 3> rgb = composite(fragments, splats.geometry());
     for (std::size_t c = 0; c < 3; ++c) {
         if (!all && c != channel) continue;
-        // Clamps each colour channel to the range of the input colours. Rounding errors and the simplified
-        // (linear) model of occlusion could otherwise cause values outside this range.
+        // A blurred colour is a mean of the colours of the samples, so it must lie within their range.
+        // Rounding errors and the approximation of occlusion by functions that are linear over the lens could
+        // cause values outside this range. Therefore, each colour channel is clamped to it.
         out[c] = static_cast<float>(open) *
                  std::clamp(static_cast<float>(rgb[c]), splats.colours().least[c], splats.colours().most[c]);
     }
 }
 
-/// Returns whether compositing needs to know through which side of the lens the light of `part` arrives. It
-/// does for directly visible surfaces, but not for mirror images.
+/// Returns whether compositing needs to know through which side of the lens the light of `part` arrives,
+/// because a surface in front may block only one side. This is computed for directly visible surfaces (`path`
+/// is 0), but not for what they reflect and transmit.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }

@@ -14,8 +14,8 @@ inline constexpr int layers_block_px = 64;
 /// bit-identical for any number of threads.
 void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
-/// Computes the same image as layers(), by evaluating every impulse response at every pixel. It is a slow
-/// reference for tests.
+/// Computes the same image as layers(), but in the simplest way: it evaluates the impulse response of every
+/// sample at every pixel. It is slow, and tests use it as a reference.
 [[nodiscard]] Image layers_reference(const LayerSplats& splats);
 
 }  // namespace postlens

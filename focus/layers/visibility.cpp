@@ -63,8 +63,9 @@ void sort(std::span<Fragment> fragments, const Before& before) {
 void sort_by_depth(std::span<Fragment> fragments) {
     sort(fragments,
          [](const Fragment& a, const Fragment& b) { return a.inverse_depth_per_m > b.inverse_depth_per_m; });
-    // Sorts surfaces at the same depth by alpha, smallest first. Otherwise, rounding errors of the depth
-    // could put a small light source behind the wall on which it lies.
+    // Surfaces whose depths are equal, except for rounding errors, are sorted by alpha, with the smallest
+    // first. For example, a small light source may lie on a wall. Otherwise, the rounding errors could put it
+    // behind the wall, which would hide it.
     constexpr double one_plane = 1e-5;
     for (std::size_t begin = 0, end = 1; begin < fragments.size(); begin = end++) {
         while (end < fragments.size() &&
@@ -81,8 +82,9 @@ void sort_by_depth(std::span<Fragment> fragments) {
 
 namespace {
 
-/// A surface's light, attenuated by the surfaces in front. Colour and alpha are attenuated separately,
-/// because they may vary differently over the lens.
+/// The part of a surface's light that arrives at the pixel, because the surfaces in front transmit it. Colour
+/// and alpha may vary differently over the lens, for example if a bright spot is seen only from one side. So
+/// different fractions of them are transmitted, and they are summed separately.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;

@@ -15,8 +15,9 @@ struct LensMoment {
     double x = 0, y = 0;
 };
 
-/// Two lens moments of a surface's light. They tell through which side of the lens it arrives. One moment
-/// serves red, green and blue, because the hue of a surface varies little over the lens.
+/// Two moments of a surface's light over the lens (LensMoment), one of its colour and one of its alpha. They
+/// tell through which side of the lens the light arrives. One moment serves red, green and blue together,
+/// because the hue of a surface varies little over the lens.
 struct LensMoments {
     LensMoment rgb;  ///< of red + green + blue
     LensMoment alpha;

@@ -32,8 +32,9 @@ std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensVie
     };
 }
 
-/// Numbers the motions of a scene's objects. Each object that moves by itself has its own number, from 1. All
-/// other objects shift in the image only if the camera moves, and have the number 0.
+/// Gives each kind of motion in the scene a number. An object that moves by itself has a number of its own,
+/// from 1. All other objects have the number 0: they shift in the image only if the camera moves, and then
+/// all in the same way.
 class Motions {
   public:
     explicit Motions(const FieldShutter& shutter) : shutter_(shutter) {
@@ -50,8 +51,9 @@ class Motions {
         return found == classes_.end() ? 0 : found->second;
     }
     [[nodiscard]] bool moves(std::uint32_t id) const { return camera_ || class_of(id) != 0; }
-    /// Returns how surface points move on the raster between two instants. The first map is for objects
-    /// without own motion, which only the camera shifts. Then follows one map per moving object.
+    /// Returns how surface points move on the raster from the instant `from_s` to the instant `to_s`, both in
+    /// s. The index in the list is the number of the motion. The first map is for objects that do not move by
+    /// themselves, so only the camera shifts them. One map for each moving object follows.
     [[nodiscard]] std::vector<RasterMap> maps(double from_s, double to_s) const {
         constexpr std::uint32_t no_id = 0xFFFFFFFFU;  // an object without its own motion
         std::vector<RasterMap> out{shutter_.motion->map(no_id, from_s, to_s)};
@@ -76,8 +78,9 @@ std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, doubl
     return out;
 }
 
-/// Returns whether the rectangle `crop` contains a gap: a drawn pixel in which no lens point sees a recorded
-/// surface. Gaps are filled from surrounding pixels, which may lie outside `crop`.
+/// Returns whether the rectangle `crop` contains a gap: a pixel that is drawn, but in which no lens point
+/// sees a recorded surface. Gaps are filled from the surrounding pixels. These may lie outside `crop`, so if
+/// there is a gap, the pixels outside must be drawn too.
 bool has_gaps(const PatchPicture& seen, std::size_t number, std::span<const FieldViews> sets, int piece_px,
               const std::optional<OneSurface>& simple, const Crop& crop) {
     std::atomic<bool> found = false;

@@ -22,8 +22,10 @@
 
 namespace postlens {
 
-/// The exposure of a frame: when the shutter opens and closes, in s, how much each instant counts (`curve`),
-/// and how objects and camera move.
+/// The exposure of a frame.
+/// - `motion`: how the objects and the camera move
+/// - `open_s`, `close_s`: instants, in s, at which the shutter opens and closes
+/// - `curve`: how much each instant between them counts; by default, all count equally
 struct FieldShutter {
     const FrameMotion* motion = nullptr;
     double open_s = 0, close_s = 0;
@@ -46,22 +48,24 @@ struct FieldFocusSettings {
     /// other pixels are undefined.
     std::optional<Crop> crop;
     int piece_px = SeenTile::edge;  ///< PatchField::piece_px
-    /// Memory limit, in bytes, for the surfaces of the scene. Above it, the image is drawn in groups of rows,
-    /// with bit-identical results.
+    /// Memory limit, in bytes, for the recorded surfaces. If they need more memory, the image is drawn in
+    /// groups of rows, one after another, with only the surfaces that each group needs. The result is
+    /// bit-identical.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
-    /// Traces rays where a lens point sees something that the sample file does not contain. If null, no rays
-    /// are traced.
+    /// Ray tracer that replaces what the sample file does not contain: if a lens point sees such a part of
+    /// the scene in a pixel, a ray is traced there. If null, no rays are traced.
     const SightRays* rays = nullptr;
 };
 
-/// An image with lens blur: the mean of the images from all lens points. Pixels in which no lens point sees a
-/// surface of the sample file are filled from the surrounding pixels.
+/// An image with lens blur, which is the mean of the images that the lens points see. In some pixels, no lens
+/// point sees a surface of the sample file. These pixels are filled from the surrounding pixels.
 struct FieldFocus : PatchPicture {
     std::vector<std::uint8_t> left_out;  ///< 1 if left out (leave_out_from_share); empty if none is
 };
 
-/// Selects the lens points whose images are averaged: `count` consecutive points of a scrambled Sobol
-/// sequence, from the point `first`. `set` selects the sequence.
+/// Selects the lens points from which the scene is drawn; the image is the mean of what they see. They are
+/// `count` consecutive points of a scrambled Sobol sequence, beginning with the point number `first`. `set`
+/// is the number of the sequence, and each number gives another scrambling.
 struct FieldViews {
     int count = default_lens_views;
     int set = 0;    ///< sets have independent lens points and thus independent errors (lens_views.h)
@@ -109,13 +113,15 @@ class FieldFocuser {
   private:
     struct Prepared;
     [[nodiscard]] PatchField outline() const;
-    /// Returns the instant, in s, at which the fraction `u` (0 to 1) of the exposure's light has passed the
-    /// shutter.
+    /// Returns an instant during the exposure, in s. It is chosen so that the fraction `u` (0 to 1) of the
+    /// exposure's light has passed the shutter before it. So equally distributed values of `u` give instants
+    /// that are distributed as the shutter weights them.
     [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
-    /// Finds the parts of the image where all lens points see a single surface. The light field need not draw
-    /// them, because the simpler method `scatter` is exact for them. Returns nothing if all pixels must be
-    /// drawn.
+    /// Finds the pixels in which all lens points see the same single surface. Their views need not be drawn,
+    /// because the simpler method `scatter` is exact for such pixels. Returns nothing if all pixels must be
+    /// drawn, for example because rays are traced or objects move.
+    /// - `strips`: reads the surfaces in groups of rows, if they do not fit into memory
     [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
                                                         FieldStrips* strips) const;
     FocusFrame& frame_;
