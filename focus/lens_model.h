@@ -22,8 +22,8 @@ namespace postlens {
 /// stores them in a table.
 /// - `geometry`: lens geometry of `view`, with film lengths in px of the sample file's image (before a
 ///   magnification)
-/// - `half_diagonal_px`: half the diagonal of the recorded image with overscan, the largest distance of a
-///   pixel from the optical axis
+/// - `half_diagonal_px`: half the diagonal of the recorded image with overscan; the table covers this
+///   distance from the image's centre
 /// - `largest_inverse_depth_per_m`: 1 / depth of the nearest surface
 [[nodiscard]] std::unique_ptr<ResponseModel> lens_model(const LensView& view, const FocusGeometry& geometry,
                                                         double half_diagonal_px,

@@ -481,9 +481,10 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
     for (int y = window.y_begin; y < window.y_end; ++y) {
         for (int x = window.x_begin; x < window.x_end; ++x) {
             const std::size_t k = at(x, y);
-            // Sums up the empty space in the square around the pixel from which its blur can come. The blur
-            // may reach 0.75 px farther than the CoC radius: 0.5 px because a pixel extends half its width
-            // beyond its centre, and 0.25 px because kernels are computed for rounded depths.
+            // Sums up the empty space in the square around the pixel that the blur of the pixel's own samples
+            // can reach. The blur may reach 0.75 px farther than the CoC radius: 0.5 px because a pixel
+            // extends half its width beyond its centre, and 0.25 px because kernels are computed for rounded
+            // depths.
             const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
             const int reach = static_cast<int>(std::ceil(radius + aberration_px + 0.75)) - 1;
             const int column = x - known.x_begin, row = y - known.y_begin;

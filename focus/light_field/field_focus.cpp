@@ -33,8 +33,7 @@ std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensVie
 }
 
 /// Gives each kind of motion in the scene a number. An object that moves by itself has a number of its own,
-/// from 1. All other objects have the number 0: they shift in the image only if the camera moves, and then
-/// all in the same way.
+/// from 1. All other objects have the number 0: they shift in the image only if the camera moves.
 class Motions {
   public:
     explicit Motions(const FieldShutter& shutter) : shutter_(shutter) {
