@@ -27,8 +27,10 @@ bool is_moving(const std::vector<std::uint32_t>& moving, std::uint32_t id) {
     return std::binary_search(moving.begin(), moving.end(), id);
 }
 
-/// Returns whether the surface at `r` reflects or transmits an object that moves differently from it. Motion
-/// blur cannot show this, because it moves reflections with the surface.
+/// Returns whether the surface at `r` reflects or transmits an object that moves differently from this
+/// surface. The records from `r` + 1 to `end` are the objects in its reflections and refractions, and
+/// `moving` lists the ids of all moving objects, sorted. Motion blur cannot show such a reflection, because
+/// it moves a reflection together with the surface.
 bool shows_other_motion(const Record* r, const Record* end, const std::vector<std::uint32_t>& moving) {
     const bool carried = is_moving(moving, r->id);
     for (const Record* node = r + 1; node != end; ++node) {
@@ -354,8 +356,9 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
         const bool by_field = o.method == MotionMethod::lightfield;
-        // If the camera moves, the warning "overscan" would name every object at the border. For the method
-        // lightfield, the warning "uncovered" reports the missing surfaces instead.
+        // If the camera moves, the border of the records cuts every object there, so the warning "overscan"
+        // would name all of them. Therefore, an object that is blurred by the method lightfield (`by_field`)
+        // is left out. For this method, the warning "uncovered" reports the missing surfaces instead.
         if (camera_moves && by_field) continue;
         const std::size_t used = by_field ? instants.size() : 1;
         if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;

@@ -8,8 +8,10 @@
 namespace postlens {
 namespace {
 
-/// Adds the colours of a block of pixel rows, times `share`, to `sum`. Adds `share` to the pixels' `weight`.
-/// Skips pixels marked in `hidden`.
+/// Adds the records of one instant to a weighted mean over several recorded instants. `band` contains a block
+/// of pixel rows, and `share` is the weight of the instant. Adds each pixel's colour times `share` to `sum`,
+/// and `share` to its `weight`. Skips the pixels that are marked in `hidden`, because they show a moving
+/// object at this instant.
 void add_band(const SampleHeader& header, const RecordBand& band, double share,
               const std::vector<std::uint8_t>& hidden, std::vector<double>& sum,
               std::vector<double>& weight) {

@@ -20,8 +20,10 @@ std::uint8_t byte_by_power(float v) {
     return static_cast<std::uint8_t>(std::lround(srgb_from_linear(v) * 255.0F));
 }
 
-/// Table that converts linear values to sRGB bytes. Its cells are so narrow that the byte changes at most
-/// once within a cell.
+/// Table that converts linear values to sRGB bytes faster than the power function. It divides the floats from
+/// `least` to 1 into cells, that is, ranges of consecutive bit patterns. The cells are so narrow that the
+/// byte changes at most once within a cell. So each cell only needs its first byte and the position of the
+/// change.
 struct ByteTable {
     static constexpr int octaves = 13, cell_shift = 15, cells = octaves << (23 - cell_shift);
     static constexpr float least = 1.0F / (1 << octaves);  ///< smaller values are black

@@ -21,8 +21,9 @@ struct PicturePart {
     std::string mark;  ///< the caller's JSON object, as given to `mark_as_part`
 };
 
-/// Reads a part of an image, or returns empty if mark_as_part did not mark it. Throws Error(invalid_input) if
-/// the file cannot be read, or its pixels were changed.
+/// Reads a file with one part (crop) of an image, which was written to be joined with other parts. Returns
+/// empty if mark_as_part() did not mark this file. Throws Error(invalid_input) if the file cannot be read, or
+/// its pixels were changed.
 [[nodiscard]] std::optional<PicturePart> read_picture_part(const std::filesystem::path& path);
 
 /// Attribute that marks an OpenEXR file as one part of a render: it contains some of the samples of every

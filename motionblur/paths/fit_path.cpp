@@ -58,8 +58,10 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     constexpr std::size_t most_used = 512;  // more than enough for a cubic; the error is tested at all points
     const double begin_s = points[first].time_s, span_s = points[last].time_s - begin_s;
     const auto share = [&](std::size_t i) { return (points[i].time_s - begin_s) / span_s; };
-    // All control points start on the straight line between the ends of the curve. Their offsets from this
-    // line are fitted to the points; regularisation keeps undetermined offsets near 0.
+    // Initial values of the cubic Bezier curve that is fitted: its four control points lie on the straight
+    // line from the curve's start to the last point. The fit then computes an offset from this line for each
+    // control point (a given `start` stays fixed). If the points do not determine an offset, for example
+    // because they are too few, regularisation keeps it near 0.
     Cubic out;
     const dvec2 from = start.value_or(points[first].at_px), to = points[last].at_px;
     for (int k = 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] = from + (to - from) * (k / 3.0);
@@ -79,8 +81,9 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     const glm::dmat4 inverse = glm::inverse(normal);
     const dvec4 x = inverse * right_x, y = inverse * right_y;
     for (int k = start ? 1 : 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] += dvec2(x[k], y[k]);
-    // A cubic between only two points must end exactly at the second point, so the rounding error of the fit
-    // is removed.
+    // If the cubic, one segment of the motion path, was fitted to only two points, it must end exactly at the
+    // second point. The fit reaches this point only up to a rounding error, so the last control point is set
+    // to it.
     if (last == first + 1) out.control[3] = points[last].at_px;
     for (std::size_t i = first; i <= last; ++i)
         if (!(glm::distance(out.at(share(i)), points[i].at_px) <= tolerance_px)) return std::nullopt;
@@ -142,8 +145,10 @@ std::vector<PathKnot> knots_of(Points points, const std::vector<Segment>& segmen
     return knots;
 }
 
-/// Returns the knot times of a spline with `count` segments. An earlier fit has short segments (`segments`)
-/// where the motion is hard to follow, so the knots are close together there.
+/// Returns the knot times of a spline with `count` segments. `segments` are those of an earlier fit to the
+/// same points. In that fit, each segment is as long as the tolerance allows, so segments are short where the
+/// motion is hard to follow. The new knots are distributed evenly over these segments, and so they lie close
+/// together where the segments are short.
 std::vector<double> spread_times(Points points, const std::vector<Segment>& segments, std::size_t count) {
     std::vector<double> times{points.front().time_s};
     for (std::size_t i = 1; i < count; ++i) {
@@ -156,9 +161,10 @@ std::vector<double> spread_times(Points points, const std::vector<Segment>& segm
     return times;
 }
 
-/// Returns the times of the knots between the segments of a fitted motion path. At an abrupt change of
-/// velocity, the fit has a short segment between two long segments. The two knots of this short segment are
-/// merged.
+/// Returns the times of the knots between the segments of a fitted motion path. If the velocity changes
+/// abruptly between two points, no smooth segment can follow this change for long, so the fit has a short
+/// segment there, between two long segments. The two knots of this short segment are replaced by a single
+/// knot, between its first two points.
 std::vector<double> times_without_kinks(Points points, const std::vector<Segment>& segments) {
     constexpr std::size_t short_pieces = 3, long_pieces = 8;
     const auto pieces = [&](std::size_t i) { return segments[i].last - segments[i].first; };
@@ -214,8 +220,9 @@ PathFit fit_path(Points points, double tolerance_px) {
     if (best.error_px > tolerance_px)
         best = polyline_of(points);  // a spline's rounding error can exceed a very small tolerance
     if (segments.size() > most_refined_segments) return best;
-    // Estimates the smallest number of segments that a spline can have. Counts the segments of a looser fit:
-    // its cubics need not join, and it has twice the tolerance.
+    // Estimates the smallest number of segments that a spline needs to follow the points. For this, it counts
+    // the segments of a fit with fewer constraints: the cubic of a segment need not begin where the previous
+    // cubic ends, and the tolerance is twice as large. Such a fit needs fewer segments than the spline.
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;

@@ -36,8 +36,9 @@ class Crossings {
 
     [[nodiscard]] double cell() const { return cell_; }
     [[nodiscard]] double count() const { return std::abs(last_ - cell_); }
-    /// Returns where the straight piece leaves the current cell, as a fraction of its length. Returns
-    /// infinity in the last cell.
+    /// Returns where the straight piece of the motion path leaves the current cell of the raster along this
+    /// axis. The result is a fraction of the piece's length, from 0 at its start to 1 at its end. In the last
+    /// cell, the piece ends before it leaves the cell, so the result is infinity.
     [[nodiscard]] double next() const {
         if (cell_ == last_) return std::numeric_limits<double>::infinity();
         return std::clamp(((way_ > 0 ? cell_ + 1 : cell_) - from_) / way_, 0.0, 1.0);
@@ -84,8 +85,9 @@ bool clip(Piece& piece, const CellWindow& window) {
     piece.to = mix(whole.from, whole.to, leave);
     piece.value_from = whole.value_at(enter);
     piece.value_to = whole.value_at(leave);
-    // If the clipped piece had ends far outside the raster, rounding can move its new ends by more than half
-    // a cell. Clamping keeps them near the raster.
+    // The clipped piece of the motion path should lie inside the clipping window. But if the piece before
+    // clipping had its ends far outside the raster, rounding errors can move the new ends by more than half a
+    // raster cell. So the new ends are clamped to positions at most one cell outside the clipping window.
     for (int axis = 0; axis < 2; ++axis) {
         piece.from[axis] = std::clamp(piece.from[axis], low[axis] - 1, high[axis] + 1);
         piece.to[axis] = std::clamp(piece.to[axis], low[axis] - 1, high[axis] + 1);

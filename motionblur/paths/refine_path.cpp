@@ -11,8 +11,9 @@ namespace {
 
 using glm::dvec2;
 
-/// Number of data points per spline segment in the first least-squares fit. Later fits add the points with
-/// the largest errors.
+/// A spline is fitted to data points (positions at known times) by least squares, in several rounds. To save
+/// time, the first fit uses only some of the data points, this number per segment of the spline. Each later
+/// fit also uses the data points at which the error of the previous fit is largest.
 constexpr std::size_t points_per_segment = 40;
 constexpr int most_rounds = 6;
 

@@ -81,8 +81,9 @@ void require_order(double open_s, double close_s, double tolerance_px) {
 // The error of a linear piece of a motion path is measured at these fractions of its duration. They are
 // asymmetric to detect a motion that turns back halfway.
 constexpr std::array<double, 5> test_shares{0.1271, 0.3094, 0.5, 0.7071, 0.8819};
-// Between the instants of `test_shares`, the error of a linear piece can be larger than the measured error.
-// So the measured error may reach only this fraction of the tolerance.
+// A curved motion path is approximated by linear pieces. The error of a piece is measured only at the
+// instants of `test_shares`, so between these instants it can be larger. Therefore, the measured error may
+// reach only this fraction of the tolerance.
 constexpr double tested_tolerance = 0.75;
 
 }  // namespace

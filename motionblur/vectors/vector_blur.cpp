@@ -30,8 +30,9 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest error of a reprojected position, and the enlargement of patches (planar image parts) that prevents
-/// cracks between them, in px.
+/// Constants for the reprojection of patches, which are planar parts of the image. `exact_px` is the largest
+/// error, in px, of the position of a reprojected patch. `overlap_px` is the distance, in px, by which each
+/// patch is enlarged. Without this enlargement, rounding could leave cracks between adjacent patches.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 
@@ -75,8 +76,10 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
     return known ? weight : std::vector<float>();
 }
 
-/// Returns the background behind moving objects, interpolated from the pixels with `weight` 1. If `weight` is
-/// empty, interpolates from the pixels of the blurred image `seen` in which some view sees a surface.
+/// Returns `picture` with the background behind moving objects, interpolated from other pixels. If `weight`
+/// is not empty, these are the pixels whose `weight` is 1. Otherwise, they are the pixels of the blurred
+/// image `seen` that show a surface in at least one view (image at a single instant), that is, in which
+/// `seen.unknown`, the fraction of views without a surface, is less than 1.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {
@@ -112,9 +115,10 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
-        // Background that is not recorded is interpolated from pixels that do not move, or, if there are too
-        // few, from the blurred image. The whole image must be blurred for this, so that the result does not
-        // depend on the crop.
+        // Moving objects may uncover background that is not recorded. It is interpolated from pixels that do
+        // not move. If there are too few of these, `still` is empty, and the background is interpolated from
+        // the blurred image instead. In this case, pixels outside the crop contribute too. Therefore, the
+        // whole image is blurred, so that the result does not depend on the crop.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

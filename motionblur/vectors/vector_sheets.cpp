@@ -35,8 +35,9 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Memory per pixel that the frame stores. The check requires twice as much, because arrays that grow
-        // reserve more than they use.
+        // Memory, in bytes, that the sheets (parts of surfaces) need for each pixel that the frame stores.
+        // The check below requires twice this memory, because an array that grows reserves up to twice the
+        // memory that it uses.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
@@ -186,8 +187,10 @@ class SheetMaker {
         const bool to_side = joined(&p, side), to_over = joined(&p, over);
         const bool side_across = joined(side, across), over_across = joined(over, across);
         const bool has_across = (to_side && side_across) || (to_over && over_across);
-        // All pixels that share this corner compute this mean. They add the velocities in the same order, so
-        // that their means are bit-identical.
+        // The velocity at a corner of a pixel is the mean of the velocities of up to four pixels that share
+        // the corner. Each of these pixels computes this mean separately. So that all results are
+        // bit-identical, `parts` arranges the pixels by their position, and their velocities are always added
+        // in this order.
         const VectorPixel* parts[2][2];
         const int i = dx < 0 ? 1 : 0, j = dy < 0 ? 1 : 0;
         parts[j][i] = &p;

@@ -40,7 +40,8 @@ constexpr std::array<std::pair<std::string_view, std::size_t>, 24> fixed_sizes{{
     {"v3i", 12},
 }};
 
-/// `value` begins with a list of channels. Returns the offset after the list, or 0 if the list has no end.
+/// `value` contains the bytes of an OpenEXR attribute, which begins with a list of channels. Returns the
+/// offset of the first byte after this list, or 0 if the list has no end because the file is damaged.
 std::size_t end_of_channels(ByteView value) {
     std::size_t at = 0;
     for (;;) {

@@ -73,8 +73,9 @@ struct GroupMatch {
 /// Returns true if `word`, a word of a channel name, is one of `words`, which all name a pass such as depth.
 [[nodiscard]] bool has_word(PassWords words, std::string_view word);
 
-/// Returns the channel `name` as a candidate from which match_group() selects the depth of a layer. Returns
-/// empty if its name is not that of a depth.
+/// If the name of a channel, `name`, is that of a depth, returns the channel as a candidate. From several
+/// candidates, match_group() then selects the depth that belongs to a layer of colours. Returns empty if the
+/// channel has another name.
 [[nodiscard]] std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size_t part,
                                                             const std::string& name);
 

@@ -182,8 +182,10 @@ std::string as_json(std::string manifest) {
 /// Largest size of a manifest file that is read.
 constexpr std::uintmax_t most_manifest_bytes = 64U << 20U;
 
-/// Returns the text of a manifest in a separate file, or empty if it cannot be read. Cryptomatte requires
-/// that the file is in the folder of the image.
+/// Returns the text of a manifest, the list of object names and ids that belongs to a Cryptomatte. The image
+/// `image` does not contain this manifest, but gives the name of a separate file, `name`. Cryptomatte
+/// requires that this file is in the folder of the image, so a name with a folder is rejected. Returns empty
+/// if the file cannot be read.
 std::string text_beside(const std::string& image, const std::string& name) {
     namespace fs = std::filesystem;
     if (fs::path(name).filename() != fs::path(name)) return "";

@@ -115,9 +115,10 @@ class Mender {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
 
-    /// True if two neighbouring pixels' depths differ by at most 1/60, so that no depth edge lies between
-    /// them. An edge changes the depth by at least the factor 1 + least_step within longest_ramp + 1 pixels.
-    /// Steps of 1/60 cannot reach this factor: (1 + 1 / 60)^(longest_ramp + 1) < 1 + least_step.
+    /// True if the depths of two neighbouring pixels differ by at most 1/60 of the nearer depth. A run of
+    /// such pixels contains no depth edge. This is because, at an edge, the depth changes by more than the
+    /// fraction `least_step` within at most longest_ramp + 1 pixels, but so many steps of 1/60 change it by
+    /// less: (1 + 1 / 60)^(longest_ramp + 1) < 1 + least_step.
     [[nodiscard]] static bool is_even(float a, float b) {
         constexpr double most = 1.0 / 60;
         const auto x = static_cast<double>(a), y = static_cast<double>(b);
@@ -128,8 +129,9 @@ class Mender {
         const auto at = [&](std::size_t i) { return depth_[first + i * stride]; };
         std::size_t even_end = 1;  // depths change little from `begin` to here
         for (std::size_t begin = 1; begin + 2 < count; ++begin) {
-            // A depth edge that begins at the pixel `begin` ends at `last` at the latest. If all neighbouring
-            // depths between them are nearly equal, there is none.
+            // Skips a pixel at which no depth edge can begin. A depth edge that begins at the pixel `begin`
+            // ends at the pixel `last` or before. If the depths of all neighbouring pixels from `begin` to
+            // `last` are nearly equal, there is no such edge, so the search continues with the next pixel.
             const std::size_t last = std::min(begin + longest_ramp + 1, count - 1);
             even_end = std::max(even_end, begin);
             while (even_end < last && is_even(at(even_end), at(even_end + 1))) ++even_end;
@@ -171,8 +173,10 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // A ramp is a run of pixels whose depths are mixtures of two surfaces' depths. If the depth hardly
-        // changes at an end of the run, the pixel at this end shows only one surface, so the run is rejected.
+        // A ramp is a run of pixels whose depths are mixtures of two surfaces' depths, so the depth changes
+        // in every step from `begin` to `end`. If it hardly changes in the first or in the last step (by less
+        // than 0.2 `least`), the pixel at that end shows only one surface. The ramp is then shorter than this
+        // run, so the run is rejected.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -194,9 +198,10 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // A pixel's depth may be found to be mixed from two surfaces both along its row and along its column.
-        // Keeps the result whose surfaces differ more in depth. Along the edge itself, all depths may be
-        // mixed, and so too similar.
+        // The search along rows and the search along columns may both find that this pixel's depth is mixed
+        // from two surfaces. Of these two results, keeps the one whose surfaces differ more in depth. In the
+        // direction parallel to the edge, all pixels may have mixed depths, so the two depths that are found
+        // in this direction may be mixed, too, and differ too little.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }

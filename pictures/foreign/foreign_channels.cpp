@@ -114,8 +114,10 @@ class Finder {
         ChannelNames sets;
         std::string left;  // existing channels that belong to another layer
         if (!part_.deep) take_matte(sets, left);
-        // If the user named the channel with object ids, other Cryptomattes of the file do not matter.
-        // Unusable ones then cause no warning.
+        // `out_.problems` reports the Cryptomattes (sets of object masks) that cannot be used, for example
+        // because channels are missing. If the user named the channel with the object ids (`choice_.ids`),
+        // the other Cryptomattes of the file are not needed. So these reports are removed and cause no
+        // warning.
         const ChannelNames unusable = choice_.ids.empty() ? ChannelNames() : std::exchange(out_.problems, {});
         if (out_.matte) return;
         if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));
@@ -187,8 +189,10 @@ class Finder {
                 to.push_back(*std::move(depth));
             });
         if (!own_file || !found.empty()) return found;
-        // In a separate depth file, a single channel is accepted under any name. R, Y and V are also
-        // accepted, because some programs write depths as grey RGB.
+        // If the user gave a separate file for depths, a channel may be the depth although its name does not
+        // say so. A file with a single channel can only contain the depth, so this channel is accepted under
+        // any name. Of several channels, R, Y or V is accepted, because some programs write depths as a grey
+        // RGB image.
         return candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
             const std::string letter = split_channel(name).second;
             if (file_.parts()[part].channels.size() == 1 || letter == "R" || letter == "Y" || letter == "V")
@@ -219,8 +223,10 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // A Cryptomatte may be in another file part than the colours to which it belongs. match_group
-            // should compare only layers, so the candidate gets the part of the colours.
+            // A Cryptomatte (set of object masks) may be stored in another part of the file than its colours.
+            // The function match_group() decides by the layer to which of the colours a candidate belongs,
+            // but it prefers a candidate in the same part. So that only the layers matter, the candidate's
+            // part is set to that of the colours.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

@@ -58,8 +58,9 @@ int rank(const ForeignFile& file, std::size_t part, const std::string& layer) {
     return has_any_word(words, {"rgba", "beauty", "color", "ci"}) ? 2 : 3;
 }
 
-/// Returns how well a layer matches the requested name `asked`: 0 is best, 1 if it only contains all
-/// requested words, 2 means no match.
+/// Returns how well a layer matches the name `asked`, which the user requested. 0 is best: the part, the
+/// stereo view or the layer has this name, or the layer's name begins with it. 1 means that these names
+/// together contain all words of `asked`, in any order. 2 means no match.
 int misfit(const ForeignFile& file, std::size_t part_number, const std::string& layer,
            const std::string& asked) {
     const ForeignPart& part = file.parts()[part_number];
@@ -112,12 +113,15 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : layers_of(file.parts()[i])) {
             const ChannelGroup group = channel_group(file, i, layer, colour_words);
-            // If the part has no view (left or right eye), channel names may contain it. The view that comes
-            // first in the attribute `multiView` is then preferred.
+            // A stereo file has a left and a right view. If the header of the file part does not state a
+            // view, the channel names may contain one, for example "left.R". Of several layers that differ
+            // only in this view, the layer whose view comes first in the file's attribute `multiView` is
+            // preferred.
             const auto view = std::find(views.begin(), views.end(), group.view);
             const bool by_name = file.parts()[i].view.empty() && view != views.end();
-            // A requested name may match several layers: "ViewLayer" also matches ViewLayer.001, which has
-            // two words. The layer name with the fewest words is preferred.
+            // The name `asked`, which the user requested, may match several layers. For example, "ViewLayer"
+            // matches the layer ViewLayer, and also ViewLayer.001, whose name consists of two words. The
+            // layer name with the fewest words is then preferred, because it is closest to the request.
             const std::size_t words = asked.empty() ? 0 : group.layer.size();
             const int kind = rank(file, i, layer);
             const std::tuple order{misfit(file, i, layer, asked),

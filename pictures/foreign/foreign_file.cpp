@@ -108,8 +108,9 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
 /// of the largest chunk in bytes.
 /// The number is small, because the OpenEXR library allocates several chunks per thread and part.
 int threads_of_file(std::uint64_t greatest_chunk) {
-    // Files are read in bands of rows. With ZIP compression, a band has only four chunks to decompress, so
-    // more than two threads would hardly help.
+    // Largest number of threads. A file is read in bands of rows, one after another. With ZIP compression, a
+    // band has only four chunks (blocks of rows that are compressed together). Only these four can be
+    // decompressed at the same time, so more than two threads would hardly help.
     constexpr int most = 2;
     constexpr std::uint64_t most_bytes = 8U << 20U;
     return greatest_chunk > most_bytes || thread_count() < most ? 0 : std::min(exr_library_threads(), most);
@@ -300,8 +301,9 @@ std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
         Imf::RgbaYca::computeYw(Imf::hasChromaticities(h) ? Imf::chromaticities(h) : Imf::Chromaticities());
     const std::array<double, 3> out{static_cast<double>(w.x), static_cast<double>(w.y),
                                     static_cast<double>(w.z)};
-    // Files with luminance and chroma do not store green. It is computed by a division by the luminance
-    // weight of green, out[1], so this weight must not be 0.
+    // `out` contains the luminance weights of red, green and blue. A file with luminance and chroma does not
+    // store green. To compute it, the reader subtracts the contributions of red and blue from the luminance,
+    // and divides the rest by the weight of green, out[1]. So this weight must not be 0.
     if (!std::isfinite(out[0] + out[1] + out[2]) || std::abs(out[1]) < 1e-6) {
         fail(ExitCode::invalid_input, "{}: chromaticities are unusable (got luminance weights {}, {}, {})",
              name_of(part), out[0], out[1], out[2]);

@@ -34,10 +34,10 @@ struct StackSample {
 /// because the alphas in a file are rounded.
 inline constexpr double opaque_transmittance = 1e-3;
 
-/// Returns the transmittance of those samples that lie behind the last opaque sample, or of all samples if
-/// none is opaque.
-/// - is_nothing_behind: the scene behind all samples is empty; if the last sample is opaque, the result is
-///   then 1
+/// Returns the fraction of the light that the samples of a pixel's stack transmit. If a sample is opaque,
+/// only the samples behind the last opaque sample count.
+/// - is_nothing_behind: whether the scene behind all samples is known to be empty. If it is empty and the
+///   last sample is opaque, no sample lies behind this one, so the result is 1 instead of 0.
 [[nodiscard]] double transmittance_behind(std::span<const StackSample> stack, bool is_nothing_behind);
 
 /// Converts a value of an id channel to an id: the bits of `value`, as an integer if `whole` is true, or else

@@ -7,9 +7,10 @@
 namespace postlens {
 namespace {
 
-/// `plane` has values of the file part `from`, stored on the pixel grid of another part, `onto`. Pixels
-/// outside the display window get the nearest stored value. A side is extended only if `from` stores pixels
-/// up to the window's border there.
+/// Extends the image in `plane` beyond the display window. `plane` has the values of the file part `from`,
+/// stored on the pixel grid of another part, `onto`. Pixels of `onto` outside the display window get the
+/// nearest stored value. This is done on each side (left, right, top, bottom) separately, and only if the
+/// pixels of `from` reach the display window's border on this side.
 void continue_beyond_border(const ForeignPart& from, const ForeignPart& onto, std::vector<float>& plane) {
     const int right = onto.display.x_min - from.display.x_min, down = onto.display.y_min - from.display.y_min;
     const int left_x = from.data.x_min + right, last_x = from.data.x_max + right,

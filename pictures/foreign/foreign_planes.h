@@ -13,22 +13,26 @@
 
 namespace postlens {
 
-/// Receives one row of pixels from each_row_onto(), on the pixel grid of a file part `onto`:
+/// Receives one row of pixels from each_row_onto(). That function reads channels of one file part and places
+/// them on the pixel grid of another file part, `onto`.
 /// - `pixel`: index of the row's first pixel in `onto`
 /// - `count`: number of pixels
-/// - `from`, `values`: the values of channel c begin at values[c][from]
+/// - `from`, `values`: values[c] is a whole row of channel c in the part that is read. This row may begin
+///   outside `onto`, so the values of the pixels begin at values[c][from].
 using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::size_t from,
                                    std::span<const float* const> values)>;
-/// Reads channels of the flat file part `part` on the pixel grid of another part, `onto`: the upper left
-/// corners of their display windows coincide. Calls `take` for each row of pixels that both parts store.
+/// Reads channels of the flat file part `part`, and places them on the pixel grid of another file part,
+/// `onto`. The upper left corner of the display window of `part` is placed on that of `onto`. Calls `take`
+/// for each row of pixels that both parts store.
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
-/// Returns the values of a channel of the file part `part` at all pixels that another file part, `onto`,
-/// stores, row by row. With `converts`, integers are converted to floats. Throws Error(out_of_memory).
+/// Returns the values of a channel of the file part `part` on the pixel grid of another file part, `onto`:
+/// one value for each pixel that `onto` stores, row by row. With `converts`, integers are converted to
+/// floats. Throws Error(out_of_memory).
 ///
-/// Pixels that `part` does not store get the value `otherwise`, or, outside the display window of `onto`, the
-/// nearest value that `part` stores.
+/// If `part` does not store a pixel, the pixel gets the value `otherwise` inside the display window of
+/// `onto`. Outside this window, it gets the nearest value that `part` stores.
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);

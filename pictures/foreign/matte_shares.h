@@ -21,11 +21,14 @@ class MatteShares {
     /// the part with the colours.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte);
 
-    /// Returns the Cryptomatte channels in `part` that the caller reads together with the colours, and passes
-    /// to take(). Returns none if the first Cryptomatte channels are in another part.
+    /// Returns the Cryptomatte channels that are stored in `part`, the file part with the colours. The caller
+    /// reads them together with the colours, so that the part is read only once, and passes their values to
+    /// take(). Returns none if the first Cryptomatte channels are in another part, because finish() then
+    /// reads all of them.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
-    /// Takes the values of the channels from begin_beside() at `count` adjacent pixels, from the pixel index
-    /// `pixel` on. values[c] points to the values of channel c.
+    /// Receives values of the Cryptomatte channels that begin_beside() returned, and stores the ids and
+    /// covered fractions that they contain. The values are those of `count` adjacent pixels, of which the
+    /// first has the index `pixel`. values[c] points to the values of channel c. Throws Error(out_of_memory).
     void take(std::size_t pixel, std::size_t count, std::span<const float* const> values,
               ForeignPicture& picture);
     /// Reads the Cryptomatte channels that take() has not received. Then gives each sample the id of the

@@ -245,8 +245,11 @@ class Reader {
                     const float front = depths_.distance(value(z, 0)),
                                 back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
-                    // The sign of the front depth tells whether the file's depths are negative. A front depth
-                    // of 0 (camera inside the volume) does not, so the absolute value of `back` is used.
+                    // A volume lies between a front depth (`front`) and a back depth (`back`). A file may
+                    // store all depths as negative numbers, and the sign of the front depth tells whether it
+                    // does so. Then `end` is the back depth with the opposite sign. But a front depth of 0
+                    // (the camera is inside the volume) has no sign, so `end` is the absolute value of
+                    // `back`.
                     const float end = !ForeignDepths::is_hit(back) ? 0
                                       : front == 0                 ? std::abs(back)
                                                                    : std::copysign(1.0F, front) * back;

@@ -81,8 +81,9 @@ class OiioReader : public PictureReader {
     PictureLayout layout_;
 };
 
-/// Encodes a file in memory. OpenImageIO 2.4 does not report a full disk for PNG and TIFF, and ends the
-/// process for JPEG.
+/// Encodes an image file in memory. The caller then writes the bytes to the disk and checks for errors.
+/// OpenImageIO 2.4 must not write to the disk itself, because on a full disk, it reports no error for PNG and
+/// TIFF, and ends the process for JPEG.
 std::vector<unsigned char> encode(const char* name, const OIIO::ImageSpec& spec, const void* values,
                                   std::string& problem) {
     return guarded(problem, [&]() -> std::vector<unsigned char> {

@@ -17,8 +17,9 @@ namespace {
 /// Two inverse depths that differ by at most this relative amount count as equal. Rounding to half floats
 /// causes such differences.
 constexpr float same_depth = 1.0F / 1024;
-/// Two images of the same view are combined, one behind the other. A sample of the back image counts as
-/// nearer if its distance is smaller by more than this fraction. Smaller differences are noise in the depths.
+/// Two images of the same view are combined: a front image, and a back image whose samples should lie behind
+/// it. A sample of the back image counts as nearer than the front image if its distance is smaller by more
+/// than this fraction. Smaller differences are noise in the depths.
 constexpr float nearer_by = 1.0F / 20;
 
 void check_same_view(const ForeignPicture& front, const ForeignPicture& back, const std::string& name) {
@@ -71,9 +72,10 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
         [&](const StackSample& a) { return a.id == s.id || a.id == 0 || s.id == 0; });
 }
 
-/// Returns the first row (or column) of the combination of a front and a back image, which begin at `front`
-/// and `back`. If the front image begins inside the raster (`front` > 0), the back image may extend it.
-/// Otherwise, it needs no extension.
+/// Returns the first row (or column) of the image that combines a front image and a back image. The front
+/// image begins at the row `front`, and the back image at the row `back`. If `front` > 0, the front image
+/// leaves rows of the raster empty before it, so the back image may fill them. Otherwise, it already reaches
+/// the raster's border, and the combination begins with it.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }
@@ -116,8 +118,9 @@ LaidBehind lay_behind(ForeignPicture& front, const ForeignPicture& back, const s
     out.ends_in_nothing.reserve(pixels);
     LaidBehind found;
     std::size_t nearer = 0;
-    // True if the contents of a pixel are known: either the file stores the pixel, or it is inside the raster
-    // and therefore empty.
+    // Returns whether the contents of pixel (x, y) are known. They are known if the file stores the pixel.
+    // They are also known for any other pixel inside the image (0 <= x < width and 0 <= y < height), because
+    // a file stores all pixels there that are not empty.
     const auto is_known = [](const ForeignPicture& p, int x, int y) {
         return p.stores(x, y) || (x >= 0 && x < p.width && y >= 0 && y < p.height);
     };

@@ -89,9 +89,10 @@ std::array<StackSample, 2> divided(const StackSample& s, float share) {
     return out;
 }
 
-/// Chooses the samples of a pixel that show an object, until they cover the fraction of the pixel that the
-/// object covers. A sample that would exceed this fraction is divided into two samples. One MaskedStack
-/// serves all pixels, to avoid allocations.
+/// Selects an object in a pixel. The pixel is a stack of samples, which cover parts of it according to their
+/// alpha. Samples are chosen until together they cover the fraction of the pixel that the object covers. If a
+/// sample would exceed this fraction, it is divided into two samples. One MaskedStack is used for all pixels,
+/// to avoid allocations.
 class MaskedStack {
   public:
     explicit MaskedStack(std::uint16_t mask) : mask_(mask) {}
@@ -108,17 +109,19 @@ class MaskedStack {
             take(1, is_same);
             return;
         }
-        // First chooses samples that belong to no mask image yet, because different masks usually select
-        // different objects. If these samples cover less than `share` of the pixel, chooses any others.
+        // `share` is the fraction of the pixel that the selected object covers. Samples of the pixel's stack
+        // that belong to no mask image yet (`mask` is 0) are chosen first, because different mask images
+        // usually select different objects. If these samples cover less than `share`, any other samples are
+        // chosen for the rest.
         take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
     }
     [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }
     [[nodiscard]] const std::vector<std::uint8_t>& chosen() const { return chosen_; }
 
   private:
-    /// Visits the samples at the pixel's nearest depth. Chooses those for which `wanted` returns true, until
-    /// the chosen samples cover the fraction `share` of the pixel. Returns the part of `share` that is still
-    /// missing.
+    /// Chooses samples for the selected object, until they cover the fraction `share` of the pixel. Only
+    /// samples at the nearest depth of the pixel's stack are visited, and only those for which `wanted`
+    /// returns true are chosen. Returns the part of `share` that the chosen samples do not cover.
     template <typename Wanted>
     float take(float share, const Wanted& wanted) {
         float left = 1;

@@ -13,9 +13,10 @@
 namespace postlens {
 namespace {
 
-/// The colour of a surface at an edge comes from nearby pixels that show only this surface. They are searched
-/// within these radii, in px. If the other program filtered the depths, the larger radius is needed, because
-/// the filter also mixes the pixels beside an edge.
+/// A pixel at an edge shows several surfaces. The colour of one of them is taken from nearby pixels that show
+/// only this surface. These are the radii, in px, within which such pixels are searched. `reach_of_means_px`
+/// is used if the program that wrote the file filtered the depths: then pixels near the edge are mixtures
+/// too, so the search must go farther.
 constexpr int reach_px = 2, reach_of_means_px = 5;
 /// Depths of nearby pixels count as those of one surface if they differ by at most this fraction.
 constexpr double same_surface = 0.05;
@@ -36,8 +37,8 @@ struct Portion {
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
-    /// True if this part of the pixel shows empty space. Its colour and alpha, which come from nearby pixels,
-    /// are then 0.
+    /// True if this part of the pixel shows empty space instead of a surface. The colour and alpha of this
+    /// part are taken from nearby pixels. If these pixels are empty, all four values in `rgba` are 0.
     [[nodiscard]] bool is_nothing() const {
         return has_colour && std::all_of(rgba.begin(), rgba.end(), [](double v) { return v == 0; });
     }
@@ -134,8 +135,10 @@ class Unmixer {
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
-            // Colours and depths of nearby pixels are averaged with the weight 1 / squared distance. If the
-            // pixel itself may be included, adding 0.5 prevents a division by 0.
+            // Averages the colours and depths of nearby pixels that show this surface, with the weight 1 /
+            // squared distance. If `pure` is false, no nearby pixel shows only this surface, so mixed pixels
+            // are averaged instead. The pixel itself may be one of these, at the distance 0. So 0.5 is then
+            // added to the squared distance, to avoid a division by 0.
             double sum = 0, depths = 0;
             around(pixel, reach, [&](std::size_t at, int distance) {
                 const double z = inverse_z_of(at);
@@ -179,9 +182,10 @@ class Unmixer {
         }
     }
 
-    /// Limits channel `c` of the surfaces in one pixel: colours to at least 0, and alphas to 0..1. This may
-    /// change their mean, weighted by coverage. So the values are then changed until the mean is `whole`, the
-    /// pixel's value, again.
+    /// Limits the values of channel `c` of the surfaces in one pixel: colours to at least 0, and alphas to
+    /// the range from 0 to 1. The mean of the values, weighted by coverage, should be `whole`, the pixel's
+    /// own value. But the limits may change this mean. So the values are then scaled (alphas that are too
+    /// small are moved towards 1) until their mean is `whole` again.
     static void keep_within(double whole, std::size_t c, std::span<Portion> portions) {
         const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
         double sum = 0, room = 0;
@@ -200,8 +204,10 @@ class Unmixer {
         }
     }
 
-    /// Converts surfaces that cover separate parts of a pixel to samples of a stack, which lie one behind the
-    /// other. The samples composite to the same colour and alpha.
+    /// Converts the surfaces of a pixel to a stack of samples. The surfaces cover separate parts of the
+    /// pixel, side by side, but the samples of a stack lie one behind the other, and each covers a fraction
+    /// of the light that passes the nearer ones. So their alphas are increased accordingly, and the samples
+    /// composite to the same colour and alpha as the surfaces.
     static std::vector<StackSample> stack_of(double whole_alpha, std::vector<Portion>& portions) {
         std::stable_sort(portions.begin(), portions.end(),
                          [](const Portion& a, const Portion& b) { return a.inverse_z > b.inverse_z; });
