@@ -24,9 +24,10 @@ namespace {
 /// 8 views, whose difference shows the noise.
 constexpr int first_views = 16;
 
-/// Once the image meets its target error, more views are drawn to narrow the 95 % confidence interval of this
-/// error. The number of views may grow by the factor `most_narrowing` with rays, or by
-/// `most_narrowing_of_noise` without rays.
+/// Once the image meets its target error, more views (images from different lens points) are drawn, to narrow
+/// the 95 % confidence interval of this error. The number of views may then grow at most by a constant
+/// factor: `most_narrowing` if rays into the scene measure the error of the recorded colours, or
+/// `most_narrowing_of_noise` if there are no rays and only the noise is measured.
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
 /// Returns the number of pixels in all views (images from different lens points) together. Each tile has its
@@ -37,8 +38,10 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
     return sum;
 }
 
-/// Returns an increased number of views (images from different lens points) for each tile. They aim at a
-/// squared error of the image below `wanted_mse`.
+/// Returns an increased number of views (images from different lens points) for each tile of the image.
+/// Repeatedly doubles the views of the tile in which this reduces the squared error most for its cost, until
+/// the expected squared error of the image is below `wanted_mse`. But no tile gets more than twice its
+/// present number of views.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const TileGrid& grid, double wanted_mse) {
     struct Step {
@@ -174,8 +177,9 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
             if (views.leave_to_rays(misplaced_highlights(views, measured, most_mse),
                                     LeftToRays::samples_and_lights))
                 measured = measure({}, CheckedPixels::Use::deciding);
-            // More views do not reduce errors of the recorded colours. In the tiles with the largest errors,
-            // rays replace all recorded colours, so that the other tiles contribute at most a quarter of the
+            // More views reduce the noise, but not the errors of the colours that the sample file records. So
+            // in the tiles where these errors are largest, rays replace all recorded colours. Enough tiles
+            // are chosen so that the recorded colours in all other tiles contribute at most a quarter of the
             // target error.
             if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse),
                                     LeftToRays::samples))
@@ -189,9 +193,10 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // More views reduce the noise, but not the error of the highlights. Much less noise than this
-            // error would be useless, so the goal for the image's error is at least half of the highlights'
-            // error.
+            // Chooses the error of the image at which the next number of views aims. More views reduce the
+            // noise, but not the error of the highlights (`of_highlights`, estimated from below). If this
+            // error is large, it would be useless to make the noise far smaller. So the aim is the target
+            // error, but at least half of the highlights' error.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {

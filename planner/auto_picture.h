@@ -35,8 +35,9 @@ struct AutoResult {
     /// Fraction of the samples in all views that the file does not determine, because of an edge or an
     /// unrecorded surface. Set only without a scene.
     double unsure_share = 0;
-    /// Set only without a scene, because without rays the image's whole error cannot be measured. `noise_mse`
-    /// is the squared error due to noise, `bound_mse` an upper bound of the image's squared error.
+    /// Squared errors of the image, set only if it was made without a scene. Without a scene, no rays can
+    /// check the recorded colours, so the whole error cannot be measured. `noise_mse` is the part that is due
+    /// to noise, and `bound_mse` is an upper bound of the whole squared error.
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;

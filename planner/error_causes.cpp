@@ -23,15 +23,17 @@ constexpr double wrong_above = 1.0 / 255;
 /// A possible cause of a pixel's error is tested with an image without this cause. The cause is confirmed if
 /// at most a quarter of the pixel's squared error remains, that is, half the error.
 constexpr double explained = 0.25;
-/// A cause of a pixel's error is accepted if it is estimated to explain at least this fraction of the
-/// measured squared error. The effect of samples too far apart in the image is often underestimated, so their
-/// limit, `noticeable_density`, is lower.
+/// The cause of a pixel's error is found by estimating how much squared error each possible cause would
+/// produce. A cause is accepted only if its estimate is at least this fraction of the measured squared error.
+/// The limit is lower (`noticeable_density`) for the cause that the samples are too far apart in the image,
+/// because the estimate for this cause is often too small.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
 /// A pixel is completely recorded if less than this fraction of its light is missing in the sample file.
 constexpr float tolerated_unknown = 0.02F;
-/// If the causes of more than this fraction of the image's squared error are still unknown, the scene is
-/// traced again with better settings to find more causes.
+/// The causes of errors are first sought in images that are made from the existing sample file. If the pixels
+/// whose errors remain unexplained contribute more than this fraction of the image's squared error, the scene
+/// is traced again with better settings, to find more causes. Such a trace is expensive.
 constexpr double worth_trials = 0.1;
 
 double squared_difference(const Image& a, const Image& b, std::size_t pixel) {
@@ -151,8 +153,10 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const HybridSettings& v = request.view;
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
-    // `seen` is the mean of many views of the same sample file, a method with correct occlusion and motion.
-    // If a pixel is much better in `seen` than in `image`, the method that made `image` caused its error.
+    // `seen` is an image that is made from the same sample file as `image`, as the mean of many views (images
+    // for one lens point and instant). This method renders occlusion and motion correctly. So if the error of
+    // a pixel is much smaller in `seen` than in `image`, the cause is the method that made `image`, and not
+    // the sample file.
     FieldFocusSettings by_field = field_settings(h, v);
     by_field.views = many_views;
     by_field.crop.reset();
@@ -188,8 +192,10 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const auto finer_explains = [&](std::size_t k, double error) {
         return finer && squared_difference(*finer, reference, k) <= explained * error;
     };
-    // Tracing the scene again is expensive. It is done only if much of the error of `image` remains in `seen`
-    // and `finer`, which were made from the same sample file.
+    // The error trials trace the scene again with better settings, which is expensive. `seen` and `finer` are
+    // images made from the existing sample file with better methods. A pixel's error is explained if it is
+    // much smaller in one of them than in `image`. The trials are made only if the unexplained pixels contain
+    // much of the whole error.
     std::vector<ErrorTrial> trials;
     if (v.scene != nullptr) {
         double all = 0, left = 0;
@@ -226,8 +232,10 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
-            // This trial recorded more instants of the scene, which adds surfaces and colours. Hardly any
-            // surface was missing in the pixel before, so the added colours removed its error.
+            // `best` is the new trace of the scene that removes the error of this pixel. If it recorded more
+            // instants than the file, it has both more surfaces and more colours of the same surfaces. But
+            // `seen.unknown` says that the file lacks hardly any surface in this pixel. So the added colours
+            // removed the error, and the cause is that shading changes.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {

@@ -16,12 +16,14 @@
 namespace postlens {
 namespace {
 
-/// The sample file is insufficient for a pixel if more than this fraction of its light is not recorded, or
-/// more than this radiance is reprojected to a wrong position.
+/// Limit for two errors of a pixel in an image made from the sample file: the fraction of its light that is
+/// not recorded in the file, and the radiance that is reprojected from the pinhole image to a wrong position.
+/// If one of them is larger, the sample file is insufficient for this pixel.
 constexpr double tolerated = 0.02;
 
-/// Returns the fraction of the pixels, in the image or crop, with too much unrecorded light or light at a
-/// wrong position (`misplaced`).
+/// Returns the fraction of the pixels, in the image or crop, for which the sample file is insufficient:
+/// either too much of their light is not recorded in the file (`field`), or too much light is reprojected to
+/// a wrong position (`misplaced`, radiance per pixel). The limit is `tolerated`.
 double insufficient_share(const FieldFocus& field, const std::vector<float>& misplaced,
                           const std::optional<Crop>& crop) {
     std::vector<std::uint8_t> marks(field.unknown.size());
@@ -86,8 +88,10 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
 /// them.
 constexpr double fine_mse = 1e-5;
 
-/// The lens's point spread function spreads highlights. Returns 1 for tiles in which rays would be more
-/// exact, so that they should trace the highlights instead.
+/// The light of highlights (small or blurred bright surfaces) is spread over the image by the lens's point
+/// spread function, which may put some of it in wrong pixels. Returns 1 for the tiles in which this error is
+/// larger than the noise that traced highlights would have. In these tiles, rays should trace the highlights
+/// instead.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
     const std::vector<double> noise =
         highlights_noise(views.half(0), views.half(1), views.grid(), views.views());

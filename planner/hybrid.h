@@ -20,33 +20,42 @@ namespace postlens {
 
 struct HybridSettings {
     FocusSettings focus;  ///< lens, aperture, `views`, `crop`; `method` is ignored
-    /// Motion of the scene, and the exposure. With an exposure (`shutter`), every pixel is averaged over lens
-    /// points and instants. The method `scatter` averages over neither, so it is not used.
+    /// `motion` is the motion of the scene, and `shutter` the exposure, as a range of times. If `shutter` is
+    /// set, every pixel is the average over many lens points and instants. The method `scatter`, which
+    /// otherwise computes pixels that show a single surface, is then not used, because it shows only one
+    /// instant.
     const FrameMotion* motion = nullptr;
     std::optional<TimeSpan> shutter;
     ShutterCurve curve = ShutterCurve::box();
     /// The scene from which the file was traced. Rays into it replace samples whose colours the file does not
     /// determine. If null, no rays are traced.
     const Scene* scene = nullptr;
-    /// Optional choice of the views in which a ray checks the recorded colour of pixel (x, y): appends their
-    /// indices to `views`. The choice need not be random, so no error is derived from it:
-    /// HybridResult::stated is empty.
+    /// If set, this function chooses in which views a ray checks the recorded colour of pixel (x, y): it
+    /// appends the indices of these views to `views`. Otherwise, they are chosen at random, and the error of
+    /// the image is derived from the checks. A choice by the caller may not be random, so then no error is
+    /// derived, and HybridResult::stated is empty.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
 };
 
 struct HybridResult {
     FocusResult focus;  ///< image, views, warnings
-    /// Fraction of the pixels of the image or crop that the method `scatter` computed instead of averaging
-    /// views. It is 0 with a scene, because all pixels are then averages of views and rays.
+    /// Fraction of the pixels, in the image or crop, that were computed by the method `scatter` instead of
+    /// averaging views. This is faster for pixels that show a single surface. With a scene, this method is
+    /// not used, because every pixel is then an average of views in which rays replace some samples. So this
+    /// field is then 0.
     double scattered_share = 0;
-    /// Fraction of the pixels in which the sample file lacks light or reprojects it to a wrong position, so
-    /// that the scene should be traced again. Set only if HybridSettings::scene is null.
+    /// Fraction of the pixels, in the image or crop, for which the sample file is insufficient: it lacks some
+    /// of their light, or light is reprojected to a wrong position. If there are many such pixels, the scene
+    /// should be traced again. This field is set only if HybridSettings::scene is null, because otherwise
+    /// rays add what is missing.
     double wanted_share = 0;
     double retraced_share = 0;  ///< share of the view samples, in the image or crop, that are rays
     RayCounts rays;
     std::optional<StatedError> stated;  ///< set with a scene and at least two views
-    /// Set only with a scene; one element per pixel of the whole image. `traced` is the fraction of a pixel's
-    /// view samples that are rays; `checks` contains differences between rays and recorded colours.
+    /// These two fields have one element per pixel of the whole image, and are set only with a scene. A view
+    /// sample is what one view (image from one lens point) sees in the pixel. `traced` is the fraction of the
+    /// pixel's view samples that come from rays instead of the file. `checks` contains the differences
+    /// between the colours of check rays and the recorded colours.
     std::vector<float> traced;
     std::vector<PixelCheck> checks;
     /// How each pixel of the whole image was computed: 0 by averaging images from many lens points, 1 by

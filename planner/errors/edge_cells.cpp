@@ -98,8 +98,10 @@ double SpreadLight::error(double variance_share) const {
                                    srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, other))));
     };
     const double e = difference(each + off / pixels, each - off / pixels) / 2;
-    // Edges cross the bright cells at unknown positions, so the position of their light may be wrong by about
-    // `moved_px`. The rim of its circle of confusion is then displaced by the same distance.
+    // An edge crosses a bright quadtree cell at an unknown position, so the position of the cell's light is
+    // uncertain. `moved_px` estimates this uncertainty, in px, for all bright cells of the pixel together.
+    // The lens spreads their light over a circle of confusion. If the light is displaced, the rim of this
+    // circle is displaced by the same distance, which causes the error `rim`.
     const double moved_px = light_ > 0 ? off / light_ * std::sqrt(area_ / std::numbers::pi) : 0;
     constexpr int coverages = 8;
     double rim = 0;
@@ -113,9 +115,10 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // In a unit cell without an edge, the shading is assumed to be a x^2 + b y^2 + c x y. The mean of the
-    // four corners then differs from the cell's mean by (a + b) / 6. The corners determine only c, so a + b =
-    // c is assumed.
+    // If no edge crosses a cell, the mean of its four corners is still inexact, because shading is curved.
+    // Model in a unit cell: a x^2 + b y^2 + c x y. The mean of the corners then exceeds the cell's mean by (a
+    // + b) / 6. Four corners determine c, but not a and b, so a + b = c is assumed. `s.curvature_square` is
+    // c^2.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

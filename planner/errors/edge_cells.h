@@ -11,11 +11,14 @@
 
 namespace postlens {
 
-/// Mean squared error of an estimated area. A random straight edge divides a unit square; the fraction of the
-/// four corners on one side of the edge estimates the area of this part.
+/// An edge at a random position and angle divides a unit square into two parts. The area of one part is
+/// estimated by the fraction of the square's four corners that lie in this part. This constant is the mean
+/// squared error of the estimate.
 inline constexpr double edge_cell_variance = 0.0388;
-/// Mean squared error of an estimated area. An edge parallel to two sides of a unit square divides it at a
-/// random position; the fraction of the four corners beyond the edge estimates the area there.
+/// Like `edge_cell_variance`, but for an edge that is parallel to two sides of the unit square. It lies at a
+/// random position and divides the square into two rectangles. The area of one rectangle is estimated by the
+/// fraction of the square's four corners that belong to it. This constant is the mean squared error of the
+/// estimate.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
 
 /// The recorded colour (sRGB and linear) at a corner of a quadtree cell, with the id and inverse depth of the
@@ -43,15 +46,17 @@ struct CellStep {
     double high = 0, low = 0;
 };
 
-/// If an edge crosses a bright quadtree cell (radiance above 1), the cell's light is inexact. Estimates the
-/// error of all pixels over which the lens spreads it. PixelEdges does not include it.
+/// Estimates an error that bright light causes. If an edge crosses a quadtree cell with a radiance above 1,
+/// the amount of the cell's light is uncertain. The lens spreads this light over many pixels, so all of them
+/// are wrong. The class PixelEdges, which estimates the error of a single pixel, does not include this error.
 class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Returns the squared error of sRGB values, summed over all pixels to which the lens spreads the light
-    /// of the added cells. Larger or smaller cells change the variance of this light by the factor
-    /// `variance_share`.
+    /// Returns the squared error of sRGB values that the cells passed to add() cause, as a sum over all
+    /// pixels to which the lens spreads their light. The amount of this light is uncertain, with a certain
+    /// variance. `variance_share` multiplies this variance, for example to predict the error with cells of
+    /// another size.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:
@@ -66,9 +71,10 @@ class SpreadLight {
 /// it. Order of the corners: upper left, upper right, lower left, lower right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 
-/// Estimates the squared error of a pixel that arises because edges cross its quadtree cells at unknown
-/// positions. The cells' errors are equal along an edge parallel to their sides, and independent along a
-/// slanted edge.
+/// Estimates the squared error of a pixel's sRGB value. The error arises because edges cross the pixel's
+/// quadtree cells at unknown positions. If an edge is parallel to the sides of the cells, it crosses all of
+/// them at the same position, so their errors are equal and add up. If an edge is slanted, the errors of the
+/// cells are independent and partly cancel.
 class PixelEdges {
   public:
     void add(const CellStep& step, double size_px);

@@ -38,8 +38,10 @@ TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
 /// hidden surfaces that this lens sees, at instants of this exposure.
 void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSettings& s) {
     if (view.focus.lens.f_number < std::numeric_limits<double>::infinity()) {
-        // The settings of a trace contain no focal length, so their f-number is film distance / lens
-        // diameter. The image's f-number, focal length / lens diameter, is converted to it.
+        // Sets the f-number for which the new trace records hidden surfaces. The trace knows no focal length,
+        // so it defines the f-number as film distance / lens diameter. But the image's f-number is focal
+        // length / lens diameter. Therefore, it is multiplied by the film distance and divided by the focal
+        // length.
         s.for_f_number = view.focus.lens.f_number * h.film_distance_mm / view.focus.lens.focal_length_mm;
         s.for_focus_m = view.focus.focus_distance_m;
     }

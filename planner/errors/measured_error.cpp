@@ -33,9 +33,10 @@ double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     return out;
 }
 
-/// Error of one pixel according to rays: colour of the rays minus colour of the image, per channel, in sRGB
-/// values. `a` is measured in one half of the views (images from different lens points), `b` in the second,
-/// independent half.
+/// The measured error of one pixel: for each channel, the colour of traced rays minus the colour of the
+/// image, in sRGB values. The views (images from different lens points) form two independent halves. `a` is
+/// measured in the first half and `b` in the second, so that the product of both is a squared error without
+/// bias.
 struct Residuals {
     std::array<double, 3> a{}, b{};
 };
@@ -45,9 +46,10 @@ double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
 
-/// Returns the colour of the rays minus the recorded colour, for each half of the views, in sRGB values. The
-/// linear difference is multiplied by the slope of the sRGB curve at the pixel's colour, because the curve
-/// itself would turn noise into bias.
+/// Returns the error of a pixel's recorded colour: the colour of check rays minus the recorded colour, in
+/// sRGB values. It is measured separately in the two halves of the views, `a` and `b`. The linear difference
+/// is multiplied by the slope of the sRGB curve at the pixel's colour. Converting both colours by the curve
+/// itself would be nonlinear, and would therefore turn noise into a systematic error.
 Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -60,8 +62,10 @@ Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t p
     return out;
 }
 
-/// Returns the error of the highlights in a pixel (ray minus image), as differences of sRGB values. A
-/// conversion by the slope of the sRGB curve would be wrong for large errors.
+/// Returns the error of the highlights in a pixel: the light that rays find minus the light in the image, as
+/// differences of sRGB values. These errors can be large, so the colours with and without the error are both
+/// converted by the sRGB curve. Multiplying the linear difference by the slope of the curve would be exact
+/// only for small errors.
 Residuals highlight_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -109,9 +113,10 @@ struct ChosenSum {
     }
 };
 
-/// Mean squared error of pixels. A pixel's residual (ray minus recorded colour) in one half of the views is
-/// multiplied by that in the other half. Errors may be rare and large, and absent from few pixels by chance,
-/// so the variance has a lower bound.
+/// Mean squared error of the measured pixels. A pixel's residual (colour of rays minus recorded colour) in
+/// one half of the views is multiplied by its residual in the other half, because the noise of the halves is
+/// independent and so does not add to the product. Large errors may be rare. Then a few measured pixels may
+/// contain none by chance, and their variance would be too small. So the variance has a lower bound.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {
@@ -253,9 +258,10 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // of_ray is the variance of one ray. The mean of n stratified rays at an outline has the variance
-            // of_ray n^(-5/4) [mitchell1996]. Here n = views / 2 in each half of the views, and the mean of
-            // both halves has half this variance.
+            // Predicts the noise of the highlights. `of_ray` is the variance of a single ray. The mean of n
+            // stratified rays at an outline has the variance of_ray n^(-5/4) [mitchell1996]. The views of a
+            // pixel form two halves, so n = views / 2 in each half. The image is the mean of the two halves,
+            // so its variance is half that of one half.
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

@@ -79,9 +79,12 @@ template <typename Value>
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 
-/// Returns 1 for tiles whose recorded colours are so inaccurate that rays should replace them.
-/// - `most_mse`: limit for the total error of the tiles with 0
-/// - `fine_mse`: limit for the error (`bias_mse`) of one tile, if it clearly exceeds the tile's noise
+/// Chooses the tiles whose recorded colours are so inaccurate that rays should replace them. Returns 1 for
+/// these tiles, and 0 for all others.
+/// - `most_mse`: limit for the squared error of the image that the recorded colours in the tiles with 0 cause
+///   together
+/// - `fine_mse`: limit for the squared error of one tile's recorded colours (`bias_mse`). A tile above this
+///   limit gets 1 if its error also clearly exceeds its noise.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

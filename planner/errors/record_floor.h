@@ -21,8 +21,9 @@ namespace postlens {
 /// entirely. Fitted to measurements.
 inline constexpr double floor_unseen = 1.4;
 
-/// Estimates the squared error of each pixel's sRGB value at edges. Samples at the corners of a quadtree cell
-/// show that an edge crosses the cell, but not where.
+/// Estimates the squared error of each pixel's sRGB value that is due to edges. The samples lie at the
+/// corners of quadtree cells. They show that an edge crosses a cell, but not where. So the fractions of the
+/// cell on both sides of the edge are uncertain, and with them the pixel's colour.
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);
