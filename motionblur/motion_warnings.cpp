@@ -336,8 +336,9 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
         };
         if (is_whole(0)) continue;
         const std::vector<InstantShare> around = instants_around(instants_s, t);
-        // The image at time t is made from the recorded instants before and after t. If neither shows the
-        // object, it is not visible at t, so nothing of it can be cut off.
+        // The image at the time t is made from the last recorded instant before t and the first one after t
+        // (`around`). If the object appears in neither of them, it is not visible at t, so no part of it can
+        // be cut off at this time.
         const auto shows = [&](const InstantShare& at) { return instants[at.instant].contains(id); };
         if (!in_frame && std::none_of(around.begin(), around.end(), shows)) continue;
         if (std::none_of(around.begin(), around.end(),

@@ -41,14 +41,15 @@ class UnseenMotion {
     std::unique_ptr<Counts> counts_;
 };
 
-/// Adds the warning "uncovered" if moving objects uncover unrecorded surfaces. A pixel counts if over 1 % of
-/// its light comes from such surfaces; a smaller share may be a tiny gap between quadtree leaves.
+/// Adds the warning "uncovered" if moving objects uncover surfaces that are not recorded. `unknown` is, for
+/// each pixel, the fraction of its light that comes from such surfaces. A pixel counts as affected if this
+/// fraction is above 1 %. A smaller fraction may only be a tiny gap between quadtree leaves.
 ///
 /// `text` is a format string for the percentage of affected pixels.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
-/// Returns whether a part of the object lies outside the traced area, but would be visible during the
-/// exposure.
+/// Returns whether the border of the traced area cuts off the object `id`: a part of the object lies outside
+/// this area, but would be visible during the exposure.
 /// - `instants`: bounding boxes of all objects, for each recorded instant from which the image is made,
 ///   beginning with the frame's own instant
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,

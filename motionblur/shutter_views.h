@@ -1,5 +1,6 @@
-// Determines how many views (images at single instants) motion blur averages, and the instant and the sample
-// position of each view.
+// Plans the views of a motion-blurred image. A view is an image of the scene at a single instant, and the
+// blurred image is the average of all views. The functions determine the number of views, and for each view
+// its instant and its sample position within the pixels.
 #pragma once
 
 #include <array>
@@ -25,8 +26,9 @@ inline constexpr int most_views = 4096;  ///< largest number of instants (views)
 /// Throws Error(wrong_arguments) for a number outside 1..most_views.
 void check_views(const std::optional<int>& views);
 
-/// Returns element j of a (0, 2)-sequence [sobol1967] as a sample position in the pixel, in px. Successive
-/// positions are far apart. `places` is their number, a power of 2.
+/// Returns the element with the index j of a (0, 2)-sequence [sobol1967], which is a sample position in a
+/// pixel, in px. Positions with successive indices are far apart, so a few of them already cover the pixel
+/// evenly. `places` is the number of all positions, a power of 2.
 [[nodiscard]] glm::dvec2 place_in_pixel(std::uint32_t j, double places);
 
 /// Returns the automatic number of instants (views) to average, for objects that move by up to `longest_px`:

@@ -9,15 +9,16 @@
 
 namespace postlens {
 
-/// Marks each pixel whose samples directly show an object of `ids` (sorted). Also marks its left, upper and
-/// upper left neighbours, which share samples with it. Pixels in bands of rows that are not in memory get 0.
+/// Returns 1 for each pixel whose samples directly (not by reflection) show an object of `ids`, a sorted
+/// list, and 0 for the others. Pixels share the samples at their corners, so the pixels to the left, above
+/// and above left of such a pixel also get 1. Pixels in bands of rows that are not in memory get 0.
 [[nodiscard]] std::vector<std::uint8_t> pixels_showing(const SampleHeader& header,
                                                        const std::vector<RecordBand>& bands,
                                                        const std::vector<std::uint32_t>& ids);
 
-/// Shadows and lights may change between the recorded instants. Replaces each pixel over which nothing moves
-/// (`touched` is 0) by its mean over these instants.
-/// - `shares`: weights of the instants
+/// Blurs the changes of shadows and lights in pixels over which nothing moves (`touched` is 0). Each such
+/// pixel is replaced by the mean of its colours at the recorded instants.
+/// - `shares`: weights of the instants in the mean
 /// - `elsewhere`: sorted ids of moving objects; an instant at which the pixel shows one of them is left out
 ///   of the mean
 void blend_stills(const SampleFileReader& file, const std::vector<double>& shares,

@@ -22,9 +22,10 @@ inline constexpr double most_exposure_stops = 100;
 /// Returns 0 if there are none. The result is clamped to +-most_exposure_stops. Reorders `values`.
 [[nodiscard]] double auto_exposure_of(std::span<double> values);
 
-/// Returns the automatic exposure of an image, in stops, from the largest channel of each pixel. The current
-/// exposure of the pixels (Image::exposure_stops) is undone first. If it is unknown, the pixels are treated
-/// as radiance.
+/// Returns the automatic exposure of an image, in stops. It is computed from the radiance in the largest
+/// colour channel of each pixel. The pixels are already scaled by their current exposure
+/// (Image::exposure_stops), so this scale is undone first. If the current exposure is unknown, the pixels are
+/// treated as radiance.
 [[nodiscard]] double auto_exposure_of(const Image& image);
 
 /// Scales an image to a new exposure. Leaves the image unchanged if its current exposure is unknown.

@@ -16,8 +16,9 @@ using glm::dvec2;
 /// Largest accepted coordinate, in cells. Up to it, rounding errors are below a thousandth of a cell.
 constexpr double farthest_cell = 1e13;
 
-/// A piece of a motion path with constant velocity. Positions are in cells of the path's raster, plus 1/2, so
-/// that cell i covers [i, i + 1).
+/// A straight piece of a motion path, with constant velocity. `from` and `to` are the positions of its ends,
+/// in cells of the raster into which the path is drawn. 1/2 is added to each coordinate, so that the cell i
+/// covers the coordinates [i, i + 1).
 struct Piece {
     double begin, end;  ///< times, as fractions of the exposure
     dvec2 from, to;
@@ -60,8 +61,9 @@ struct Extent {
     [[nodiscard]] double length() const { return greatest - least + 1; }
 };
 
-/// Clips a piece of a motion path to the raster cells of `window`, plus half a cell on every side. Without
-/// this margin, rounding errors could remove a visible part. Returns false if nothing remains.
+/// Shortens a piece of a motion path to its part inside `window`, a rectangle of raster cells. The rectangle
+/// is enlarged by half a cell on every side, because otherwise rounding errors could remove a visible part of
+/// the piece. Returns false if no part of the piece is inside.
 bool clip(Piece& piece, const CellWindow& window) {
     double enter = 0, leave = 1;
     const dvec2 way = piece.to - piece.from;
@@ -111,8 +113,9 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     };
     const PathPoint &first = points.front(), &last = points.back();
     if (open_s == close_s) {
-        // If the exposure is a single instant, the object is drawn at one point of its motion path: the first
-        // point at or after this instant, or else the last point.
+        // If the exposure opens and closes at the same time, it is a single instant, and the object does not
+        // move during it. So the object is drawn at one point of its motion path: the first point at or after
+        // this instant, or, if there is none, the last point.
         const auto at = std::find_if(points.begin(), points.end() - 1,
                                      [&](const PathPoint& p) { return p.time_s >= open_s; });
         stand(0, 1, static_cast<std::size_t>(at - points.begin()));

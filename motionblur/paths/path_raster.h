@@ -1,6 +1,7 @@
-// Draws a moving object's path into a raster, as the blur kernel for its motion blur (i2 in [potmesil1983]).
-// Each cell contains the fraction of the exposure's light that arrives while the object's displacement lies
-// in the cell.
+// Draws the motion path of an object into a raster. The raster is the kernel with which the object's image is
+// convolved to blur it by its motion (i2 in [potmesil1983]). A cell of the raster stands for a displacement
+// of the object, and contains the fraction of the exposure's light that arrives while the object has this
+// displacement.
 #pragma once
 
 #include <optional>

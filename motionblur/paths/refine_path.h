@@ -11,9 +11,9 @@ namespace postlens {
 /// Returns the largest distance, in px, between a point and the path's position at the point's time.
 [[nodiscard]] double greatest_error_px(const ScreenPath& path, std::span<const PathPoint> points);
 
-/// Fits a Bezier path to the points so that its largest distance from them becomes small. Begins with at
-/// least 2 knots, at `times_s`. Stops when the largest distance is at most `tolerance_px` or no longer
-/// decreases.
+/// Fits a Bezier path to `points`, so that the largest distance between the path and a point becomes small.
+/// The path begins with knots at `times_s`, of which there must be at least 2. The fit stops when the largest
+/// distance is at most `tolerance_px` or no longer decreases.
 ///
 /// The fit minimises a sum over the points. Distances above the tolerance count by their fourth power, so
 /// that the largest distance dominates the sum.

@@ -44,8 +44,9 @@ void check(const std::vector<PathKnot>& knots, const std::string& source) {
     }
 }
 
-// Computes the handles of the equivalent Bezier curve: the velocity at a knot times a third of the time to
-// the neighbouring knot.
+// Converts a Catmull-Rom spline to the equivalent Bezier curve, by computing the handles of each knot. A
+// handle is a vector from the knot to a control point of the curve, in px. It is the velocity at the knot
+// times a third of the time to the neighbouring knot.
 void lay_catmull_rom_handles(std::vector<PathKnot>& knots) {
     const std::size_t last = knots.size() - 1;
     for (std::size_t i = 0; i <= last; ++i) {
@@ -183,8 +184,10 @@ std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at, std:
                    tested_tolerance * tolerance_px;
         });
     };
-    // `most_path_points` can stop the refinement. So every piece of the path is halved once before any is
-    // halved again, and the limit affects all pieces equally.
+    // Halves the pieces of the path until each is nearly straight. In each round, every piece that is not
+    // nearly straight is halved once. `most_path_points` may end this early. Because all pieces are halved
+    // equally often by then, the limit increases the error of all pieces, and not only of those at the end of
+    // the path.
     for (int halving = 0; halving < most_halvings && pieces.size() < most_path_points; ++halving) {
         std::vector<Piece> next;
         next.reserve(2 * pieces.size());

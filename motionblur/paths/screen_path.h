@@ -15,8 +15,9 @@ inline constexpr std::size_t most_knots = 100'000;
 /// Largest absolute values in a motion path: coordinates of knots and Bezier handles, in px, and times, in s.
 inline constexpr double largest_path_coordinate_px = 1e12;
 inline constexpr double largest_path_time_s = 1e9;
-/// Approximate limit of the number of points by which `flatten` approximates a motion path. If its tolerance
-/// requires more points, the error exceeds the tolerance.
+/// Approximate limit of the number of points that `flatten` returns. `flatten` approximates a motion path by
+/// points with linear interpolation between them. If its tolerance requires more points than this limit, it
+/// stops, and the error is then larger than the tolerance.
 inline constexpr std::size_t most_path_points = 1'000'000;
 
 /// The motion between two knots.
@@ -38,8 +39,9 @@ struct PathPoint {
     glm::dvec2 at_px{0};
 };
 
-/// The motion of a point in the image: its position on the raster, in px, at every instant (r'(t) in
-/// [potmesil1983]). It is constant before the first and after the last knot.
+/// The motion of a point in the image: its position on the raster, in px, as a function of time (r'(t) in
+/// [potmesil1983]). The motion is given by knots, which are positions at certain times. The position is
+/// constant before the first knot and after the last one.
 class ScreenPath {
   public:
     /// A path that stays at (0, 0).

@@ -14,8 +14,9 @@
 namespace postlens {
 namespace {
 
-/// If at least this fraction of the pixels is static, the background behind moving pixels is interpolated
-/// from the static pixels.
+/// Moving pixels may uncover background that the image does not show. If at least this fraction of the pixels
+/// is static (does not move), this background is interpolated from the static pixels. Otherwise, there are
+/// too few of them.
 constexpr double least_still_share = 0.01;
 
 void check(const VectorBlurSettings& s) {

@@ -24,9 +24,10 @@ constexpr std::array<std::array<const char*, 2>, 5> pairs{
 
 std::vector<Convention> conventions(bool own_file) {
     std::vector<Convention> out{{forward, "u", "v", {1, -1}},
-                                // In Blender's Vector pass, the channels (Z, W) are this frame's position
-                                // minus the next frame's, to the right and upwards. So -Z is the motion to
-                                // the right, and W the motion down.
+                                // Blender's Vector pass stores, in the channels (Z, W), this frame's position
+                                // minus the next frame's position. Z is measured to the right and W upwards.
+                                // So -Z is the motion to the right until the next frame, and W is the motion
+                                // down.
                                 {vector, "Z", "W", {-1, 1}},
                                 {motion, "x", "y", {1, 1}}};
     for (const auto& [u, v] : std::span(pairs).subspan(1)) out.push_back({motion, u, v, {1, 1}, false});

@@ -18,8 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double longest_vector = 1e6;  ///< largest accepted length of a vector, px
-/// Largest accepted number of pixels in the file's data and display windows together. Each pixel becomes four
-/// mesh vertices, which are counted in 32 bits.
+/// Largest accepted number of pixels in the file's data window and display window together. Each pixel
+/// becomes four vertices of a mesh. The vertices are counted by integers of 32 bits, which a larger number of
+/// pixels would exceed.
 constexpr std::uint64_t most_pixels = 1U << 29U;
 
 class Reader {
@@ -60,8 +61,9 @@ class Reader {
         const std::size_t id_part = colours_.matte ? colours_.matte->ranks[0].part : colours_.id_part;
         const ForeignChannels& c = colours_;
         list_.emplace(file_, c.part);
-        // Parts of an OpenEXR file may have different data windows. Pixels outside them are black, static and
-        // infinitely far away.
+        // The channels may be in different parts of the OpenEXR file, and these parts may have different data
+        // windows (rectangles of stored pixels). The last argument is the value of a channel at pixels that
+        // its part does not store. These pixels are thus black, static and infinitely far away.
         rgb_ = {list_->add(c.part, c.r, 0), list_->add(c.part, c.g, 0), list_->add(c.part, c.b, 0)};
         u_ = list_->add(vectors_.part, vectors_.u, static_cast<float>(vectors_.offset.x));
         v_ = list_->add(vectors_.part, vectors_.v, static_cast<float>(vectors_.offset.y));

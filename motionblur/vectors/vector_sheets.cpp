@@ -112,8 +112,9 @@ class SheetMaker {
                 }
             }
         }
-        // Divides a square of pixels into surfaces: connected pixels that all move or all stand still, with
-        // depths close to that of the first pixel.
+        // Divides a square of pixels into surfaces. A surface consists of connected pixels. Either all of
+        // them move, or none does, and their depths (`inverse_z`, inverse depth) are close to that of the
+        // pixel at which the search for the surface begins.
         std::vector<glm::ivec2> open, found;
         for (int i = 0; i < edge * edge; ++i) {
             const Cell& first = cells[static_cast<std::size_t>(i)];

@@ -76,8 +76,9 @@ bool preview_fills(ByteView value) {
     return value.size() == sizeof(edges) + 4 * std::uint64_t{edges[0]} * edges[1];
 }
 
-/// Returns an upper bound, in bytes, of the memory that the OpenEXR library allocates for one chunk: 4 bytes
-/// per channel and pixel. Scanline parts may also state a tile size, so it is used only if `tiled` is true.
+/// Returns an upper bound of the memory, in bytes, that the OpenEXR library allocates for one chunk (a tile,
+/// or rows that are compressed together). It needs 4 bytes per channel and pixel. The header of a part
+/// without tiles may also state a tile size, so this size is used only if `tiled` is true.
 std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     const auto window = part.get_window("dataWindow");
     const auto channels = part.raw("channels", "chlist");
@@ -102,8 +103,8 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         std::memcpy(tile.data(), tiles->data(), sizeof(tile));
         return pixel * std::min(tile[0], widest_tile) * std::min(tile[1], widest_tile);
     }
-    // Without a data window, the bound is 0: the OpenEXR library then assumes a small image, which needs
-    // hardly any memory.
+    // If the header states no data window (the rectangle of stored pixels), the OpenEXR library assumes a
+    // small image. This needs hardly any memory, so the bound is 0.
     if (!window) return 0;
     const std::int64_t width = std::int64_t{window->x_max} - window->x_min + 1;
     return width > 0 ? pixel * static_cast<std::uint64_t>(width) * rows[std::min(packed, rows.size() - 1)]

@@ -244,8 +244,9 @@ ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts, Attri
             const bool manifest = type == "idmanifest";
             part.add(std::move(name), std::move(type), value);
             name = reader.take_name();
-            // The OpenEXR library 3.1 has an error: it loses an attribute that follows idmanifest if its name
-            // has at most four characters. A file with such an attribute is therefore rejected.
+            // The OpenEXR library 3.1 has an error in reading the attribute idmanifest. It loses the
+            // attribute after idmanifest if the name of this attribute has at most four characters. So that
+            // nothing is lost silently, a file with such an attribute is rejected.
             constexpr std::size_t read_over = 4;
             if (manifest && sizes == AttributeSizes::filled && name.size() <= read_over) {
                 fail(ExitCode::invalid_input,

@@ -92,10 +92,10 @@ enum class AttributeSizes {
     filled,  ///< throw if a value does not fill its stated size (fills_its_size)
 };
 
-/// Reads the headers of at most `most_parts` parts. If the file has more parts, ExrHeaders::end (the position
-/// after the headers) is not set.
-/// Throws Error(invalid_input) if the file is not OpenEXR 2, its headers exceed 64 MB, or a part has more
-/// than 1000 attributes.
+/// Reads the headers of the first parts of an OpenEXR file, at most `most_parts`. If the file has more parts,
+/// the position after the headers, ExrHeaders::end, is unknown and therefore not set. Throws
+/// Error(invalid_input) if the file is not OpenEXR 2, its headers exceed 64 MB, or a part has more than 1000
+/// attributes.
 [[nodiscard]] ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts,
                                           AttributeSizes sizes = AttributeSizes::any);
 

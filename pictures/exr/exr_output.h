@@ -16,12 +16,13 @@ namespace postlens {
 
 class ExrOutput {
   public:
-    /// Overwrites the file `path` and writes the headers. All functions of this class throw
+    /// Creates the file `path`, or overwrites it, and writes the headers. All functions of this class throw
     /// Error(cannot_write).
-    /// `shown_name`: file name in error messages
-    /// `headers`: one per part; a single part must be a flat scanline image
-    /// `chunks`: number of chunks of each part
-    /// `chunk_bytes`: size of every chunk, if all have the same; the file is then written from front to back
+    /// - `shown_name`: file name in error messages
+    /// - `headers`: one per part; a single part must be a flat scanline image
+    /// - `chunks`: number of chunks (blocks of compressed pixels) of each part
+    /// - `chunk_bytes`: size of every chunk in bytes, if all have the same size; the file is then written
+    ///   from front to back
     ExrOutput(const std::filesystem::path& path, std::string shown_name,
               const std::vector<Imf::Header>& headers, std::vector<std::size_t> chunks,
               std::optional<std::size_t> chunk_bytes = std::nullopt);

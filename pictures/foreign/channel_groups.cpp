@@ -105,8 +105,8 @@ std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size
     if ((group.has_pass && (last == "v" || last == "y")) || (last != "z" && has_word(depth_words, last)))
         return GroupCandidate{group, name, 3};
     if (group.has_pass && last == "r") return GroupCandidate{group, name, 4};
-    // The renderer Mitsuba names the depth channel AOV.T. If there is also a channel S, T is a texture
-    // coordinate.
+    // The renderer Mitsuba stores depth in a channel with the name AOV.T, where AOV is any layer name. But if
+    // the layer also has a channel S, S and T are texture coordinates, so T is not a depth.
     if (letter == "T" && !before.empty() && !p.has(before + "S") && !names_vectors(group.layer))
         return GroupCandidate{group, name, 5};
     return {};

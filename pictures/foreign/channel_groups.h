@@ -46,9 +46,10 @@ struct ChannelGroup {
     bool has_pass = false;           ///< the names contain a word that names the pass
 };
 
-/// Returns the view and layer of the channels in a file part whose names begin with `prefix`. For example,
-/// `prefix` is "left.diffuse." for the channel left.diffuse.R. An empty prefix means channels without a
-/// layer.
+/// Returns the group (stereo view and layer) of those channels in a file part whose names begin with
+/// `prefix`. For example, for the channel left.diffuse.R, `prefix` is "left.diffuse.", the view is left and
+/// the layer is diffuse. An empty prefix means channels without a layer. `pass` lists words that name a pass,
+/// such as depth, and are not part of a layer's name.
 [[nodiscard]] ChannelGroup channel_group(const ForeignFile& file, std::size_t part, std::string_view prefix,
                                          PassWords pass);
 

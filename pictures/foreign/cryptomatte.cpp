@@ -18,9 +18,9 @@
 namespace postlens {
 namespace {
 
-/// Largest number of channel groups (NAME00, NAME01, ...) that are read from a Cryptomatte. Each group
-/// describes two surfaces per pixel, so 32 in total. All other surfaces cover too little of a pixel to
-/// matter.
+/// Largest number of channel groups (NAME00, NAME01, ...) that are read from a Cryptomatte. For each pixel, a
+/// group describes the two surfaces that cover most of it after those in earlier groups. So 32 surfaces are
+/// read in total. Any further surface covers too little of a pixel to matter.
 constexpr int most_layers = 16;
 constexpr std::size_t most_sets = 64;
 /// Names in messages are cut to this length.
@@ -37,8 +37,9 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// Returns true if the part `part` of a file may contain Cryptomattes of the image in the part `own`. If the
-/// user gave a separate file for ids, only the parts of this separate file may contain them.
+/// Returns true if the file part `part` may contain Cryptomattes (sets of object masks) of the image in the
+/// part `own`. If the user gave a separate file for ids, only the parts of this separate file may contain
+/// them. Otherwise, the part must have the same stereo view as `own`.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;
@@ -46,8 +47,9 @@ bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     return p.use == PartUse::picture && p.view == file.parts()[own].view;
 }
 
-/// Finds a file part that has a channel of a Cryptomatte. The part `own`, which has the colours, is searched
-/// first.
+/// Returns the index of a file part that has the channel `channel` of a Cryptomatte. The part with the
+/// colours, `own`, is searched first, because it is the most likely one. Returns empty if no part has this
+/// channel.
 std::optional<std::size_t> part_with(const ForeignFile& file, std::size_t own, const std::string& channel) {
     const auto parts = file.parts();
     if (may_hold(file, own, own) && parts[own].has(channel)) return own;
@@ -143,9 +145,10 @@ std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     return std::string::npos;
 }
 
-/// Reads a Cryptomatte manifest (object names and ids) whose names contain quotation marks and backslashes
-/// that are not escaped. So end_of_name() finds the end of a name by the id that follows. Returns empty if
-/// the text has another form.
+/// Reads a Cryptomatte manifest, which is a JSON text with object names and ids, if it is not correct JSON:
+/// names may contain quotation marks and backslashes that are not escaped. So a quotation mark need not end a
+/// name. Instead, end_of_name() finds the end of a name by the id that follows it. Returns empty if the text
+/// has another form.
 std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
     if (!manifest.starts_with("{\"")) return std::nullopt;
     auto objects = nlohmann::json::object();
@@ -310,8 +313,9 @@ std::uint32_t cryptomatte_id(std::string_view name) {
     hash = (hash ^ hash >> 16U) * 0x85ebca6bU;
     hash = (hash ^ hash >> 13U) * 0xc2b2ae35U;
     hash ^= hash >> 16U;
-    // Cryptomattes store the hash as a float. Exponents 0 and 255 stand for denormal, infinite and NaN
-    // floats, whose bits compositors may change. So the lowest bit of the exponent is flipped.
+    // A Cryptomatte stores the hash as the bits of a float. If the exponent bits are all 0 or all 1 (255),
+    // the float is zero, denormal, infinite or NaN, and a compositor may change its bits. To avoid such
+    // floats, the Cryptomatte specification flips the lowest bit of the exponent.
     const std::uint32_t exponent = hash >> 23U & 255U;
     if (exponent == 0 || exponent == 255) hash ^= 1U << 23U;
     return hash;

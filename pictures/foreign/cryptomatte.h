@@ -41,8 +41,8 @@ struct Cryptomattes {
 /// Within each kind it is sorted by name.
 [[nodiscard]] Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part);
 
-/// Returns the view and layer to which a Cryptomatte belongs. They follow from the Cryptomatte's name, and
-/// from the file part that contains its first channels.
+/// Returns the stereo view and the layer of colours to which a Cryptomatte (a set of object masks) belongs.
+/// They are derived from the Cryptomatte's name, and from the file part that contains its first channels.
 [[nodiscard]] ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set);
 
 /// An object that a manifest lists.
@@ -51,8 +51,9 @@ struct ManifestObject {
     std::uint32_t id = 0;
 };
 
-/// Returns the objects in a manifest, sorted by name. Returns empty unless the manifest is a JSON object
-/// whose values are hexadecimal numbers of up to eight digits.
+/// Returns the objects (names and ids) that a Cryptomatte's manifest lists, sorted by name. The manifest must
+/// be a JSON object that maps each name to its id, a hexadecimal number of up to eight digits. Returns empty
+/// if it has another form.
 [[nodiscard]] std::optional<std::vector<ManifestObject>> manifest_objects(const std::string& manifest);
 /// Returns the names of the objects that `manifest_objects` returns.
 [[nodiscard]] std::optional<std::vector<std::string>> manifest_names(const std::string& manifest);

@@ -15,8 +15,9 @@ namespace {
 constexpr double same = 0.05;
 /// Smallest step in depth that counts as an edge, as a fraction of the nearer depth.
 constexpr double least_step = 0.1;
-/// An edge is detected only if depths are nearly constant beside it. On each side, neighbouring pixels may
-/// differ by at most this fraction of the step in depth at the edge.
+/// A depth edge is detected only if the depths on both sides of it are nearly constant. On each side, the
+/// depths of neighbouring pixels may differ by at most this fraction of the step, which is the difference
+/// between the depths of the two sides.
 constexpr double plateau = 0.1;
 constexpr std::size_t longest_ramp = 4;  ///< px between two plateaus; for a filter of radius 2 px
 constexpr std::size_t few = 4;           ///< fewer edges than this are not enough evidence
@@ -108,9 +109,9 @@ class Mender {
         look(width_, [this](std::size_t x, Edges& out) { look_along(x, width_, height_, out); });
     }
 
-    /// True if the depths a and b of neighbouring pixels are nearly equal, because both pixels lie on the
-    /// same side of a depth edge. The depths may differ by a small fraction of `step`, the difference across
-    /// the edge. The test a == b covers two infinite depths.
+    /// True if the depths a and b of neighbouring pixels are so close that both pixels lie on the same side
+    /// of a depth edge. `step` is the difference of the depths across the edge. a and b may differ by at most
+    /// the fraction `plateau` of it. Two infinite depths also count as close, because a == b.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
@@ -147,9 +148,10 @@ class Mender {
                 if (!is_plateau(step, b, at(end + 1))) continue;
                 if (length > 0 && !leads_evenly(at, begin, end, plateau * step)) continue;
                 ++(length > 0 ? out.ramps : out.jumps);
-                // The filter of the other program mixed the depths of two surfaces between the pixels `begin`
-                // and `end`, and perhaps slightly at these two. So the depth of each surface is extrapolated
-                // from the pixels beyond them.
+                // Estimates the depths `before` and `after` of the two surfaces at the edge. The filter of
+                // the other program mixed these depths in the pixels between `begin` and `end`, and perhaps
+                // slightly in these two pixels as well. So each depth is extrapolated from pixels farther
+                // from the edge.
                 const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
                             after = goes_on(at(end + 1), end + 2 < count ? at(end + 2) : at(end + 1), step);
                 const auto is_empty = [&](std::size_t i) {
@@ -216,8 +218,9 @@ class Mender {
         out.mixed.push_back(m);
     }
 
-    /// Repairs silhouette pixels in front of empty space, whose depth became infinite by filtering. Their new
-    /// depth is that of the nearest opaque surface within 2 px.
+    /// Repairs pixels at the silhouette of an object in front of empty space. Empty space has an infinite
+    /// depth. So when the other program filtered the depths, the depth of these pixels became infinite. Each
+    /// of them gets the depth of the nearest opaque surface within 2 px.
     void take_over_rims(FilteredDepths& out) {
         std::vector<std::pair<std::size_t, float>> rims;
         for (std::size_t i = 0; i < depth_.size(); ++i) {

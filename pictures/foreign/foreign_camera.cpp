@@ -74,8 +74,9 @@ std::optional<double> half_width_tangent(const Matrix44& world_to_camera, const 
     const auto projection = projection_of(world_to_camera, world_to_ndc);
     if (!projection || is_parallel(*projection)) return std::nullopt;
     const double x = std::abs((*projection)[0][0]), w = std::abs((*projection)[2][3]);
-    // The image centre is near 0.5 if normalised device coordinates run from 0 to 1, and near 0 if they run
-    // from -1 to 1.
+    // `middle` is the horizontal coordinate of the image centre in normalised device coordinates. If it is
+    // near 0.5, these coordinates run from 0 to 1. If it is near 0, they run from -1 to 1. `half` is half of
+    // the range, accordingly 0.5 or 1.
     const double middle = std::abs((*projection)[2][0]) / w;
     const double half = middle > 0.25 && middle < 0.75 ? 0.5 : 1;
     const double tangent = half * w / x;

@@ -21,8 +21,9 @@ std::string behind(const ForeignPart& part, const std::string& layer, const Chan
     return first_channel(part, names);
 }
 
-/// Lists the channels whose names fit a pass, such as depth or ids, as candidates for it. `add(part, name,
-/// out)` appends the channel `name` of the file part number `part` to `out` if it fits.
+/// Returns the channels that may contain a pass, such as depth or ids, as candidates. The function `add(part,
+/// name, out)` is called for each channel `name` of each file part number `part` that may have the pass
+/// `use`. It appends the channel to `out` if the name fits the pass.
 template <typename Add>
 std::vector<GroupCandidate> candidates_of(const ForeignFile& file, const ForeignChannels& colours,
                                           PartUse use, const Add& add) {
@@ -58,7 +59,8 @@ class Finder {
     void find_alpha() {
         out_.alpha_part = out_.part;
         out_.a = behind(part_, out_.layer, alpha_names);
-        // The channel "a" is taken as alpha only if the red channel is "r". Beside "R", alpha would be "A".
+        // A channel with the name "a" is accepted as alpha only if the red channel has the name "r". If the
+        // red channel is "R", alpha would be "A", so "a" must have another meaning.
         if (out_.a == out_.layer + "a" && out_.r != out_.layer + "r") out_.a.clear();
         if (!out_.a.empty() || part_.deep) return;
         const auto found =
@@ -151,8 +153,9 @@ class Finder {
         return file_.name();
     }
 
-    /// Returns the part of the OpenEXR file that has a channel of this name. Parts of the same stereo view as
-    /// the colours are preferred.
+    /// Returns the index of the part of the OpenEXR file that has a channel `name`. If several parts have it,
+    /// the part with the colours is preferred, and then a part of the same stereo view. Returns empty if no
+    /// part has it.
     [[nodiscard]] std::optional<std::size_t> part_with(const std::string& name, PartUse use) const {
         const bool own_file = file_.has_own_file(use);
         if (!own_file && part_.has(name)) return out_.part;

@@ -77,8 +77,9 @@ struct ForeignChoice {
 /// Returns the view and layer of all colours in the file.
 [[nodiscard]] std::vector<ChannelGroup> colour_groups(const ForeignFile& file);
 
-/// Returns the prefixes of the layers that have colour channels in a part of an OpenEXR file, for example
-/// "ViewLayer.Combined.". The prefix is empty for channels R, G, B without a layer.
+/// Returns the layers that have colour channels in a part of an OpenEXR file. A layer is given by the prefix
+/// of its channel names, for example "ViewLayer.Combined." for the channel ViewLayer.Combined.R. The prefix
+/// is empty for channels R, G and B without a layer.
 [[nodiscard]] std::vector<std::string> colour_layers(const ForeignPart& part);
 
 /// Formats names for an error message, as one line of limited length.

@@ -77,8 +77,9 @@ int misfit(const ForeignFile& file, std::size_t part_number, const std::string& 
     return all && !wanted.empty() ? 1 : 2;
 }
 
-/// Colours and depth belong together if these agree: the stereo view, the words of the layer's name and, for
-/// deep images, the file part, because each part has its own samples.
+/// Identifies the layer to which a channel belongs. Colours and a depth channel belong together if their
+/// owners are equal. An owner consists of the file part (only for deep images, because there each part has
+/// its own samples), the stereo view, and the words of the layer's name.
 using Owner = std::tuple<std::optional<std::size_t>, std::string, std::vector<std::string>>;
 
 Owner owner_of(const ForeignFile& file, const ChannelGroup& group) {
@@ -98,8 +99,9 @@ std::set<Owner> owners_of_depths(const ForeignFile& file) {
     return out;
 }
 
-/// Returns the file part, and the layer in this part, that match the requested name `asked` best. Returns
-/// empty if no layer matches. `layers_of` lists the layers of a part.
+/// Returns the layer that matches the name `asked`, which the user requested, best: the index of its file
+/// part, and its prefix in this part. Returns empty if no layer matches. The function `layers_of` lists the
+/// layers of a part that are considered.
 template <typename LayersOf>
 std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile& file,
                                                               const std::string& asked,

@@ -7,9 +7,9 @@
 
 namespace postlens {
 
-/// Finds the colours of the layer `asked`, a name from the user, by the rules of find_foreign_channels().
-/// Sets the part, the layer and the colour channels of `out`. Throws Error(invalid_input) if no layer has
-/// colours.
+/// Finds the colour channels of the layer `asked`, which the user named. find_foreign_channels() states the
+/// rules by which a layer is selected. Sets the file part, the layer and the colour channels of `out`. Throws
+/// Error(invalid_input) if no layer has colours.
 void find_colours(const ForeignFile& file, const std::string& asked, ForeignChannels& out);
 
 }  // namespace postlens

@@ -18,7 +18,9 @@
 namespace postlens {
 namespace {
 
-/// Returns the factor from the file's inverse depth of this pixel to 1/z, with z along the optical axis in m.
+/// Returns the factor by which a pixel's inverse depth in the file must be multiplied to obtain 1 / z, in
+/// 1/m, where z is the depth along the optical axis. The file may use another unit, and it may measure the
+/// depth along the ray through the pixel instead of along the axis.
 float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     const auto width = static_cast<std::size_t>(picture.x_end - picture.x_begin);
     const ForeignCamera& camera = picture.camera;
@@ -33,8 +35,9 @@ float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     return static_cast<float>(std::sqrt(1 + u * u + v * v) / camera.metres_per_unit);
 }
 
-/// Finds pixels in which an opaque object covers part of the sky, and returns the fractions of both. The sky
-/// has a colour but an alpha of 0, so the pixel's alpha is the object's fraction.
+/// Finds pixels at the rim of an opaque object in front of the sky. Such a pixel shows both, and the function
+/// returns the fraction of the pixel that each of them covers. The sky has a colour, but its alpha is 0. So
+/// the pixel's alpha is the fraction that the object covers.
 std::map<std::size_t, std::array<SurfaceShare, 2>> rims_before_sky(const ForeignPicture& picture,
                                                                    std::size_t width) {
     constexpr int reach = 2;  // px, the radius of the filter

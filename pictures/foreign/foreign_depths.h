@@ -22,20 +22,20 @@ class ForeignDepths {
     explicit ForeignDepths(const std::optional<DepthEncoding>& encoding) : encoding_(encoding) {}
 
     [[nodiscard]] float distance(float value) const { return encoding_ ? encoding_->distance(value) : value; }
-    /// True if `z` is the distance of a surface. A distance of 0, NaN, or at least `nothing_z` means that no
-    /// surface was hit.
+    /// True if `z`, a distance that is decoded from the file, is the distance of a surface. A distance of 0,
+    /// NaN, or at least `nothing_z` means that the ray of this pixel hit no surface.
     [[nodiscard]] static bool is_hit(float z) { return std::abs(z) < nothing_z && z != 0; }
     [[nodiscard]] static float inverse_of(float z) { return is_hit(z) ? 1 / z : 0; }
-    /// Decodes the depth value stored for pixel (x, y). Returns 1 / |z|, where z is the decoded distance in
-    /// the file's unit.
+    /// Decodes the depth `value`, which the file stores for pixel (x, y), to a distance z in the file's unit.
+    /// Returns 1 / |z|, or 0 if no surface was hit.
     float inverse(float value, int x, int y) { return inverse(value, x, y, seen_); }
     /// Adds the depth of pixel (x, y) to the statistics that `finish` checks. `z` is the distance that was
     /// decoded from the stored `value`.
     void note(float z, int x, int y, float value) { seen_.note(z, x, y, value); }
 
-    /// Sets the depths of a flat image's samples. First repairs depths that the renderer filtered like
-    /// colours: averaged at edges, or multiplied by alpha. `depths` has one stored value per pixel, and
-    /// `covered` the pixel's alpha.
+    /// Sets the depths of the samples of a flat image (one sample per pixel). `depths` contains the stored
+    /// depth of each pixel, and `covered` its alpha. Some renderers filter depths like colours, so that they
+    /// are averaged at edges or multiplied by alpha. Such depths are repaired first.
     void take(const ForeignPart& part, std::vector<float>& depths, const std::vector<float>& covered,
               ForeignPicture& picture);
     /// Converts all depths to metres along the optical axis, and sorts each pixel's samples from near to far.
@@ -79,8 +79,9 @@ class ForeignDepths {
         seen.note(z, x, y, value);
         return inverse_of(std::abs(z));
     }
-    /// Warns if all distances are at most 1: they may be inverse or normalised depths. Also warns if depths
-    /// declared as normalised exceed 1.
+    /// Warns if the depths may be encoded in another way than assumed. If all distances are at most 1, they
+    /// may be inverse or normalised depths. If depths that are declared as normalised exceed 1, they cannot
+    /// be normalised.
     void warn_of_encoding(ForeignPicture& picture) const;
 
     std::optional<DepthEncoding> encoding_;

@@ -33,7 +33,9 @@ constexpr std::uint64_t most_pixels = 1U << 29U;
 constexpr std::size_t most_parts = 256;
 constexpr std::size_t most_channels = 1024;
 constexpr std::uint64_t most_chunk_bytes = 256U << 20U;
-/// A display window of more pixels than this (16384 x 16384) is rejected if the file is too small for it.
+/// A display window (the rectangle of the whole image) of up to this many pixels, 16384 x 16384, is always
+/// accepted. A larger display window is accepted only if the file is large enough for it, because the header
+/// may be damaged.
 constexpr std::uint64_t unquestioned_shown = std::uint64_t{1} << 28U;
 Window checked_window(const ExrPart& part, const char* attribute, const std::string& name) {
     const auto w = part.get_window(attribute);
@@ -64,8 +66,9 @@ std::uint64_t bytes_of_pixel(const Imf::Header& h) {
     return bytes;
 }
 
-/// Returns the size of an uncompressed chunk in bytes. Throws Error(invalid_input) if the windows or tiles of
-/// a part are too large, or implausible for the size of the file.
+/// Returns the size of an uncompressed chunk (a tile, or rows that are compressed together), in bytes. To
+/// detect damaged headers, throws Error(invalid_input) if the data window, the display window or the tiles of
+/// the part are too large, or implausibly large for the size of the file.
 std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::uint64_t file_bytes,
                             const std::string& name) {
     const auto width = static_cast<std::uint64_t>(part.width());
@@ -79,8 +82,9 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
         }
         chunk_pixels = std::uint64_t{tiles.xSize} * tiles.ySize;
     }
-    // If the display window is implausibly large, compares it with the size of the file to detect damage.
-    // Smaller windows are not compared, because a small file may be a crop of a large image.
+    // Detects a damaged header by an implausibly large display window (the rectangle of the whole image). A
+    // large window is an error if the file is too small for so many pixels. Smaller windows are not compared
+    // with the size of the file, because a small file may be a crop of a large image.
     const std::uint64_t shown = (static_cast<std::uint64_t>(part.display.x_max - part.display.x_min) + 1) *
                                 (static_cast<std::uint64_t>(part.display.y_max - part.display.y_min) + 1);
     const std::int64_t shift_x = std::int64_t{part.data.x_min} - part.display.x_min,
@@ -104,9 +108,9 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
     return chunk_pixels * pixel_bytes;
 }
 
-/// Returns the number of threads that read a file, or 0 for the calling thread. `greatest_chunk` is the size
-/// of the largest chunk in bytes.
-/// The number is small, because the OpenEXR library allocates several chunks per thread and part.
+/// Returns the number of threads with which the OpenEXR library reads a file, or 0 if the calling thread
+/// reads it. `greatest_chunk` is the size of the largest chunk, in bytes. Few threads are used, because the
+/// library allocates several chunks per thread and part.
 int threads_of_file(std::uint64_t greatest_chunk) {
     // Largest number of threads. A file is read in bands of rows, one after another. With ZIP compression, a
     // band has only four chunks (blocks of rows that are compressed together). Only these four can be

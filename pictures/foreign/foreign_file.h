@@ -38,8 +38,9 @@ struct ForeignPart {
 
 enum class ChannelKind { half, float32, whole };
 
-/// ForeignFile stores an unsigned integer as a float with the same bits. Converts such a float, `bits`, to
-/// the integer's value.
+/// Converts a value of an integer channel to its number. ForeignFile passes all values as floats, and an
+/// integer as a float with the same bits (`bits`). These bits are interpreted as an unsigned integer, which
+/// is then converted to a float.
 [[nodiscard]] inline float number_of_bits(float bits) {
     return static_cast<float>(std::bit_cast<std::uint32_t>(bits));
 }
@@ -59,8 +60,9 @@ struct DeepRows {
     std::vector<std::span<const float>> values;
 };
 
-/// An OpenEXR file, and separate files for its passes (such as depth or ids). Its limits are 65536 px per
-/// edge of a window, 2^29 px per window, and 256 MB per chunk.
+/// An OpenEXR file of another program, together with separate files for its passes (such as depth or ids). A
+/// window (rectangle of pixels) may have edges of up to 65536 px and up to 2^29 px, and a chunk up to 256 MB.
+///
 /// Throws Error(invalid_input), with the name of the file, if the file is damaged, exceeds a limit, or claims
 /// more data than its size allows. Throws Error(out_of_memory) if the memory does not suffice.
 class ForeignFile {
@@ -72,8 +74,9 @@ class ForeignFile {
     ForeignFile(ForeignFile&&) noexcept;
     ForeignFile& operator=(ForeignFile&&) = delete;
 
-    /// Adds a separate file for a pass of this image, such as depth or object ids. Throws
-    /// Error(invalid_input) if its display window has another size than that of the image.
+    /// Adds a separate file, `path`, which contains the pass `use` of this image, such as depth or object
+    /// ids. Throws Error(invalid_input) if the display window of the separate file has another size than that
+    /// of the image.
     void attach(const std::filesystem::path& path, PartUse use);
 
     [[nodiscard]] const std::string& name() const { return name_; }

@@ -23,8 +23,9 @@ namespace foreign {
 
 /// Data of more than 64 MB are accepted only if the file is large enough for them (see `densest`).
 inline constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
-/// Largest plausible compression ratio, with a margin: Deflate reaches at most 1032. A file that needs more
-/// than 4096 is damaged.
+/// Largest plausible compression ratio, that is, uncompressed size / compressed size. Deflate, the method
+/// with the highest ratio, reaches at most 1032, and the limit has a margin. If the data of a file would need
+/// a higher ratio, the file is damaged.
 inline constexpr std::uint64_t densest = 4096;
 
 /// Returns the number of rows that are compressed together.
