@@ -275,8 +275,9 @@ Image read_image(const fs::path& path, PictureValues values) {
         }
     }
     if (srgb) std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), linear_from_srgb);
-    // In an sRGB image, the value 1 means white, whatever the radiance was. So the exposure is unknown unless
-    // the file states it.
+    // The exposure of the pixels is known only if the file states it, or if its values are linear. In an sRGB
+    // image, the value 1 means white, and any radiance may have been mapped to white. So without a statement
+    // in the file, the exposure of an sRGB image is unknown.
     if (!spec.exposure.empty()) {
         const double stops = stops_of_text(spec.exposure, path.string());
         if (srgb || !spec.floating_point) {

@@ -20,8 +20,8 @@ struct Image {
     int width = 0, height = 0;
     std::vector<float> rgb;
     std::vector<float> alpha;  ///< one value per pixel; empty if the image is opaque
-    /// The values in `rgb` are radiance times 2^exposure_stops. Empty if the exposure is unknown, as in 8-bit
-    /// and 16-bit files of other programs.
+    /// Exposure of the image, in stops: the values in `rgb` are the radiance times 2^exposure_stops. It is
+    /// empty if the exposure is unknown. This is so for 8-bit and 16-bit files of other programs.
     std::optional<double> exposure_stops = 0.0;
     /// An additional channel with one value per pixel, which is not scaled by the exposure.
     struct Plane {

@@ -10,8 +10,9 @@
 
 namespace postlens {
 
-/// Prepares an image so that `write_image`, with the same `crop`, writes it as a part that can be joined with
-/// others. The file contains the exact values, the exposure, and `mark`, a JSON object of the caller.
+/// Prepares an image that is a part of a larger image, so that the parts can be joined later. `write_image`,
+/// called with the same `crop`, then writes a file with the exact values, the exposure, and `mark`, a JSON
+/// object by which the caller recognises the part.
 void mark_as_part(Image& image, const std::optional<Crop>& crop, const std::string& mark);
 
 struct PicturePart {
@@ -30,8 +31,9 @@ struct PicturePart {
 /// pixel (tracer/distributed/render_state.h).
 inline constexpr const char* samples_part_attribute = "postlens:part";
 
-/// Reads the JSON object that marks a file as a part of an image, or of the samples of a render. Returns an
-/// empty text for any other OpenEXR file. Throws Error(invalid_input).
+/// Reads the JSON object that marks the file `path` as a part. The file may be a part of an image (it
+/// contains some of the pixels) or a part of a render (it contains some of the samples of every pixel).
+/// Returns an empty text for any other OpenEXR file. Throws Error(invalid_input).
 [[nodiscard]] std::string read_part_mark(const std::filesystem::path& path);
 
 /// Copies the pixels of a part to their position in the image `whole`. Throws Error(invalid_input), with the

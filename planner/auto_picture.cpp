@@ -30,8 +30,9 @@ constexpr int first_views = 16;
 /// `most_narrowing_of_noise` if there are no rays and only the noise is measured.
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
-/// Returns the number of pixels in all views (images from different lens points) together. Each tile has its
-/// own number of views.
+/// Returns the total number of samples that an image needs: the number of pixels in all its views (images
+/// from different lens points) together. `views` contains the number of views of each tile of `grid`, because
+/// tiles may differ in it.
 double samples(const std::vector<int>& views, const TileGrid& grid) {
     double sum = 0;
     for (std::size_t t = 0; t < views.size(); ++t) sum += static_cast<double>(views[t]) * grid.pixels(t);
@@ -84,8 +85,9 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
     });
 }
 
-/// The lens's point spread function spreads highlights, with some error. Returns 1 for tiles in which this
-/// error is too large, so that rays must trace the highlights instead.
+/// The light of highlights (small or blurred bright surfaces) is spread over the image by the lens's point
+/// spread function, which causes some error. Returns 1 for the tiles in which rays should trace the
+/// highlights instead: this error is large there, and traced highlights would not have much noise.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -100,8 +102,9 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
                          [](const TileError& tile, double share) { return tile.highlights_mse * share; });
 }
 
-/// Returns an increased number of views for each tile. More views reduce the variance of the measured error,
-/// which narrows its 95 % confidence interval.
+/// Returns an increased number of views (images from different lens points) for each tile, to narrow the 95 %
+/// confidence interval of the measured error. More views reduce the variance of this error. So the views are
+/// doubled in the tiles where this narrows the interval most, until it is narrow enough.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const TileGrid& grid, const StatedError& error, double most_samples) {
     const double pixels = static_cast<double>(grid.width) * grid.height;
@@ -208,8 +211,9 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
             const bool is_first = most_samples == 0;
             if (is_first)
                 most_samples = drawn * (views.has_rays() ? most_narrowing : most_narrowing_of_noise);
-            // With 32 views per tile or fewer, the error of a single tile is measured too inaccurately to
-            // give some tiles more views than others. So the number of views is doubled in every tile.
+            // Normally, some tiles get more views than others. But with 32 views per tile or fewer, the error
+            // of a single tile is measured too inaccurately to decide which tiles need more. So the number of
+            // views is then doubled in every tile.
             const bool all = is_first && drawn <= 2.0 * first_views * grid.width * grid.height;
             next = all ? doubled_for(0) : narrowed(wanted, measured.tiles, grid, error, most_samples);
         }

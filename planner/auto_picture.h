@@ -22,8 +22,9 @@ struct AutoSettings {
 struct AutoTile {
     int views = 0;
     bool left_to_rays = false;  ///< rays replace all view samples of the tile
-    /// Measured squared error of the tile's sRGB values, as a mean over pixels and channels. It is relative
-    /// to an image with infinitely many views of the same sample file, so errors of the file do not count.
+    /// Squared error of the tile's sRGB values that is due to noise, as a mean over pixels and channels. It
+    /// is measured relative to an image with infinitely many views of the same sample file. Therefore, errors
+    /// of the sample file itself do not count.
     double noise_mse = 0;
 };
 
@@ -32,8 +33,9 @@ struct AutoResult {
     TileGrid grid;
     std::vector<AutoTile> tiles;
     double mean_views = 0;
-    /// Fraction of the samples in all views that the file does not determine, because of an edge or an
-    /// unrecorded surface. Set only without a scene.
+    /// Fraction of the view samples (pixels of all views) whose colour the sample file does not determine,
+    /// because an edge crosses them or the surface there is not recorded. It is set only if the image was
+    /// made without a scene.
     double unsure_share = 0;
     /// Squared errors of the image, set only if it was made without a scene. Without a scene, no rays can
     /// check the recorded colours, so the whole error cannot be measured. `noise_mse` is the part that is due

@@ -20,8 +20,9 @@ namespace {
 constexpr int many_views = 256;
 /// A pixel is wrong if the sRGB value of some channel differs from the reference image by more than this.
 constexpr double wrong_above = 1.0 / 255;
-/// A possible cause of a pixel's error is tested with an image without this cause. The cause is confirmed if
-/// at most a quarter of the pixel's squared error remains, that is, half the error.
+/// To test a possible cause of a pixel's error, an image without this cause is compared with the reference.
+/// The cause is confirmed if at most this fraction, a quarter, of the pixel's squared error remains. The
+/// error itself is then at most half as large.
 constexpr double explained = 0.25;
 /// The cause of a pixel's error is found by estimating how much squared error each possible cause would
 /// produce. A cause is accepted only if its estimate is at least this fraction of the measured squared error.
@@ -121,8 +122,9 @@ std::vector<float> box_means(const std::vector<float>& of, int width, int height
     return out;
 }
 
-/// Returns the cause of a pixel's error if the mean of many views (images from different lens points) does
-/// not have this error. The cause then lies in the method that made the image.
+/// Returns the cause of a pixel's error, given that the mean of many views (images from different lens
+/// points) does not have this error. The sample file is then sufficient, so the cause lies in the method with
+/// which the image was made.
 ErrorCause explained_by_views(const CauseRequest& request, bool moves) {
     if (request.method == FocusMethod::lightfield || request.method == FocusMethod::hybrid)
         return ErrorCause::record_density;  // the image had too few views

@@ -27,8 +27,8 @@ struct HybridSettings {
     const FrameMotion* motion = nullptr;
     std::optional<TimeSpan> shutter;
     ShutterCurve curve = ShutterCurve::box();
-    /// The scene from which the file was traced. Rays into it replace samples whose colours the file does not
-    /// determine. If null, no rays are traced.
+    /// The scene from which the sample file was traced. Some view samples have colours that the sample file
+    /// does not determine. Rays into the scene replace these colours. If `scene` is null, no rays are traced.
     const Scene* scene = nullptr;
     /// If set, this function chooses in which views a ray checks the recorded colour of pixel (x, y): it
     /// appends the indices of these views to `views`. Otherwise, they are chosen at random, and the error of
@@ -63,9 +63,9 @@ struct HybridResult {
     std::vector<std::uint8_t> what;
 };
 
-/// Makes an image from the sample file of `frame`, bit-identical for any number of threads. Throws
-/// Error(invalid_input) if the file was not traced from `settings.scene`, and the errors of focus_picture and
-/// render_picture.
+/// Makes an image with the lens and shutter of `settings` from the sample file of `frame`. The image is
+/// bit-identical for any number of threads. Throws Error(invalid_input) if the file was not traced from
+/// `settings.scene`, and the errors of focus_picture and render_picture.
 [[nodiscard]] HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings);
 /// Makes an image directly from a file. To make several images from one file, use a FocusFrame instead.
 [[nodiscard]] HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings);

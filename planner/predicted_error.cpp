@@ -14,9 +14,10 @@
 namespace postlens {
 namespace {
 
-/// The error is estimated from at least `least_views` additional views (images from different lens points).
-/// Their lens points come from the sets `first_set` and above. The image itself uses lower sets, so its error
-/// is independent of these views.
+/// The error of an image is estimated by comparing the image with additional views (images from different
+/// lens points). `least_views` is the smallest number of these views. Their lens points come from the sets
+/// with the numbers `first_set` and above. The image itself uses sets with lower numbers, so its error is
+/// independent of the additional views.
 constexpr int least_views = 64, first_set = 1 << 20;
 
 double product_of_errors(const Image& image, const Image& a, const Image& b, std::size_t k) {

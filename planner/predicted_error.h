@@ -19,8 +19,8 @@ struct PredictedTile {
 struct PredictedError {
     TileGrid grid;
     std::vector<PredictedTile> tiles;  ///< 0 for tiles outside the crop
-    /// Predicted PSNR of the image or crop. The reference is the mean of infinitely many views of the same
-    /// sample file.
+    /// Predicted error of the image or crop, as PSNR in dB. The reference for this error is the mean of
+    /// infinitely many views of the same sample file, so errors of the sample file itself do not count.
     double predicted_db = 0;
     double bound_db = 0;      ///< the bound as PSNR; it counts view samples that the records do not determine
     double unsure_share = 0;  ///< share of view samples that the records do not determine
@@ -34,11 +34,12 @@ struct PredictedError {
 /// - the crop exceeds the image
 void check_predictable(const SampleHeader& header, const FocusSettings& focus);
 
-/// Estimates the error of `image`, which was made for the lens, crop and shutter of `lens`. `views` is its
-/// number of views (images from different lens points), or 0 if its method has no views.
+/// Estimates the error of `image`, which was made for the lens, crop and shutter of `lens`. `views` is the
+/// number of views (images from different lens points) in this image, or 0 if it was made by a method without
+/// views.
 ///
-/// Draws at least 64 more views, from other lens points, which form two independent images a and b. The mean
-/// of (image - a)(image - b) over pixels then estimates the squared error of `image`.
+/// At least 64 more views are drawn, from other lens points. They form two independent images a and b. The
+/// mean of (image - a)(image - b) over pixels then estimates the squared error of `image`.
 ///
 /// Throws the errors of check_predictable and field_focus. The result is bit-identical for any number of
 /// threads.

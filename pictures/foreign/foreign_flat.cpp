@@ -104,8 +104,9 @@ class ChunkReader {
         std::vector<float> values;  ///< row by row, and in each row channel by channel
     };
 
-    /// Decompresses the chunk with the image rows [y, y_end) in buffers of `band`, and writes its values to
-    /// `to`. Returns their end.
+    /// Reads and decompresses the chunk that contains the image rows [y, y_end), and writes its values as
+    /// floats to `to`. `band` provides the buffers that are needed for this. Returns the position after the
+    /// last written value.
     float* expand(int y, int y_end, Band& band, float* to) const {
         // The OpenEXR library refuses chunks that are larger than uncompressed ones.
         band.packed.resize(static_cast<std::size_t>(rows_per_chunk(compression_)) * row_bytes_);
@@ -202,8 +203,9 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
     const ForeignPart& p = parts_[part];
     const ChannelSampling step = sampling(part, channel);
     const auto width = static_cast<std::size_t>(p.width()), height = static_cast<std::size_t>(p.height());
-    // Returns the first x (or y) at which a subsampled channel stores a value: the smallest multiple of the
-    // sampling step `every` that is not below `from`.
+    // A subsampled channel stores values only at multiples of its sampling step, along x and along y. This
+    // function returns the first x (or y) at which the channel stores a value: the smallest multiple of the
+    // step `every` that is at least `from`, the border of the data window.
     const auto first = [](int from, int every) { return from + ((-from % every) + every) % every; };
     const int x0 = first(p.data.x_min, step.x), y0 = first(p.data.y_min, step.y);
     if (x0 > p.data.x_max || y0 > p.data.y_max) {

@@ -22,16 +22,17 @@ struct StackSample {
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
     std::uint32_t id = 0;  ///< of the surface; 0 if the file states none
-    /// Inverse depth, in 1/m, that replaces `inverse_z` when the sample's blur is computed, for example
-    /// because the user keeps an object in focus. Negative if `inverse_z` is not replaced.
+    /// Inverse depth, in 1/m, that determines the blur of the sample instead of `inverse_z`. For example, it
+    /// differs from `inverse_z` if the user keeps an object in focus. It is negative if `inverse_z`
+    /// determines the blur.
     float moved_inverse_z = -1;
     bool holdout = false;    ///< hides samples behind it, but adds no colour or alpha
     std::uint16_t mask = 0;  ///< number, from 1, of the mask that cut this sample out; 0 if none
     [[nodiscard]] float spread_inverse_z() const { return moved_inverse_z < 0 ? inverse_z : moved_inverse_z; }
 };
 
-/// A stack of samples is opaque if it transmits at most this fraction of the light. The limit is above 0,
-/// because the alphas in a file are rounded.
+/// A stack of samples transmits a fraction of the light that comes from behind it. If this fraction is at
+/// most this limit, the stack counts as opaque. The limit is not 0, because the alphas in a file are rounded.
 inline constexpr double opaque_transmittance = 1e-3;
 
 /// Returns the fraction of the light that the samples of a pixel's stack transmit. If a sample is opaque,
@@ -44,8 +45,8 @@ inline constexpr double opaque_transmittance = 1e-3;
 /// as a float. The floats 0, -0 and NaN become 0, which means no id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);
 
-/// A pixel that shows several surfaces, according to its Cryptomatte or because its depth is a mean of two
-/// depths.
+/// A pixel that shows several surfaces. This is known either from its Cryptomatte, which states the objects
+/// in the pixel, or because its depth was recognised as a mean of two surfaces' depths.
 struct MixedPixel {
     std::size_t pixel = 0;             ///< index of the pixel's stack
     std::size_t first = 0, count = 0;  ///< range in ForeignPicture::shares
@@ -54,8 +55,8 @@ struct MixedPixel {
 struct SurfaceShare {
     std::uint32_t id = 0;  ///< 0 for a surface without id, such as the sky
     float share = 0;       ///< fraction of the pixel; the fractions of a pixel add up to 1
-    /// Inverse depth of the surface, in 1/m (0 for infinity). It distinguishes the surfaces of a pixel. Empty
-    /// if object ids distinguish them instead.
+    /// Inverse depth of the surface, in 1/m (0 for infinity). It is set if the surfaces of a pixel are
+    /// distinguished by their depths. It is empty if they are distinguished by their object ids instead.
     std::optional<float> inverse_z;
 };
 
@@ -76,8 +77,8 @@ struct ForeignPicture {
     /// each surface covers, the largest first.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
-    /// For each pixel that the file stores: 1 if empty space lies behind the pixel's samples, else 0. The
-    /// vector is empty if all values would be 0.
+    /// For each pixel that the file stores: 1 if there is empty space behind the last of the pixel's samples,
+    /// and 0 otherwise. The vector is empty if all values would be 0.
     std::vector<std::uint8_t> ends_in_nothing;
     std::vector<std::string> masks;  ///< mask files that cut samples out (StackSample::mask)
     ForeignCamera camera;
@@ -122,8 +123,9 @@ struct ForeignPicture {
     /// True if all stored pixels are opaque and no sample is a holdout (hides what is behind it, but has no
     /// colour).
     [[nodiscard]] bool is_opaque() const;
-    /// Returns the depth, in metres, at which the composited alpha of a pixel reaches one half, or infinity.
-    /// Throws Error(wrong_arguments) outside the stored pixels.
+    /// Returns the depth of the pixel at (x, y), in metres. It is the depth of the sample at which the alpha
+    /// of this and all nearer samples, composited, reaches one half. Returns infinity if no sample reaches
+    /// it. Throws Error(wrong_arguments) outside the stored pixels.
     [[nodiscard]] double depth_at(double x, double y) const;
 };
 

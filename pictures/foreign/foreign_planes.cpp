@@ -15,8 +15,9 @@ void continue_beyond_border(const ForeignPart& from, const ForeignPart& onto, st
     const int right = onto.display.x_min - from.display.x_min, down = onto.display.y_min - from.display.y_min;
     const int left_x = from.data.x_min + right, last_x = from.data.x_max + right,
               top_y = from.data.y_min + down, last_y = from.data.y_max + down;
-    // Pixels from (x_begin, y_begin) to (x_last, y_last) keep their values. Others get the value of the
-    // nearest of these pixels.
+    // The pixels from (x_begin, y_begin) to (x_last, y_last), inclusive, keep their values. Every other pixel
+    // gets the value of the nearest of them. On a side that is not extended, this rectangle reaches the
+    // border of the data window of `onto`, so that all pixels on this side keep their values.
     const int x_begin = left_x > onto.display.x_min ? onto.data.x_min : std::max(left_x, onto.data.x_min),
               x_last = last_x < onto.display.x_max ? onto.data.x_max : std::min(last_x, onto.data.x_max),
               y_begin = top_y > onto.display.y_min ? onto.data.y_min : std::max(top_y, onto.data.y_min),

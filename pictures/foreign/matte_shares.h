@@ -17,8 +17,8 @@ namespace postlens {
 /// throw Error(invalid_input) and Error(out_of_memory).
 class MatteShares {
   public:
-    /// Prepares reading a Cryptomatte, whose channels may be in several file parts, at the pixels of `onto`,
-    /// the part with the colours.
+    /// Prepares to read the Cryptomatte `matte` (a set of object masks) from `file`. Its channels may be in
+    /// several file parts. Their values are read at the pixels of `onto`, the part that contains the colours.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte);
 
     /// Returns the Cryptomatte channels that are stored in `part`, the file part with the colours. The caller

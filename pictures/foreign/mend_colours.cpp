@@ -11,8 +11,9 @@
 namespace postlens {
 namespace {
 
-/// Returns the sample `s` of pixel (x, y) with the mean colour of the pixel's finite neighbours, or empty if
-/// there are none. x and y count from the first stored pixel.
+/// Repairs the colour of a sample, `s`, that is not finite. Returns the sample with the mean colour of those
+/// neighbours of the pixel (x, y) whose colours are finite, or empty if there are none. x and y are counted
+/// from the first stored pixel.
 std::optional<StackSample> mean_around(const ForeignPicture& p, StackSample s, int x, int y) {
     const int width = p.x_end - p.x_begin, height = p.y_end - p.y_begin;
     std::array<double, 3> sum{};

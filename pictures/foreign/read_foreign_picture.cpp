@@ -25,13 +25,14 @@
 namespace postlens {
 namespace {
 
-/// A volume (a deep sample between two depths) is divided into slices, in which the circle of confusion
-/// varies little. `slice_ratio` is the intended ratio of a slice's far depth to its near depth.
+/// A volume is a deep sample that extends from a front depth to a back depth. It is divided into at most
+/// `most_slices` slices, so that the circle of confusion varies little within a slice. `slice_ratio` is the
+/// intended ratio of a slice's far depth to its near depth.
 constexpr double slice_ratio = 1.02;
 constexpr int most_slices = 32;
-/// If a volume begins at the camera, no ratio of depths can define its first slice. This slice ends at 1 % of
-/// the volume's far depth. The density is uniform, so the slice has at most 1 % of the volume's optical
-/// depth.
+/// If a volume begins at the camera, its first slice has the near depth 0, so no ratio of depths can define
+/// where this slice ends. Instead, it ends at this fraction, 1 %, of the volume's far depth. The density is
+/// uniform, so the slice contains at most 1 % of the volume's optical depth.
 constexpr double first_slice = 1e-2;
 
 /// Converts another program's image file to one stack of samples (colours with depths) per pixel.
@@ -48,8 +49,9 @@ class Reader {
         out_.y_begin = part_->data.y_min - part_->display.y_min;
         out_.x_end = out_.x_begin + part_->width();
         out_.y_end = out_.y_begin + part_->height();
-        // The pixel grid must contain both the display window and the stored pixels. If these two are far
-        // apart, the grid would be too large, which is an error.
+        // The pixel grid must contain both the display window (the rectangle of the whole image) and the data
+        // window (the rectangle of the stored pixels). If these two windows are far apart, the grid would
+        // have many more pixels than both together. This needs too much memory, so it is an error.
         const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) -
                                                         std::min(0, out_.x_begin)),
                    rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) -
@@ -104,8 +106,10 @@ class Reader {
                  (std::min(out_.width, out_.height) - 1) / 2, out_.width, out_.height, file_.name());
         }
         const double of_frame = static_cast<double>(out_.width - 2 * margin) / out_.width;
-        // The user states the film width without overscan, but the file describes the camera with overscan.
-        // So the width is converted.
+        // Converts the film width that the user states. The user states it for the image without overscan
+        // (the margin of extra pixels), but foreign_camera() expects the film width of the whole file, with
+        // overscan. So the width is divided by `of_frame`, the fraction of the file's width that is not
+        // overscan.
         if (choice.film_width_mm) *choice.film_width_mm /= of_frame;
         out_.camera = foreign_camera(file_, out_.channels.part, choice);
         out_.camera.film_width_mm *= of_frame;

@@ -77,8 +77,8 @@ class PictureLibrary {
                                                           std::string& problem) const = 0;
 };
 
-/// Returns the image library. Throws Error(invalid_input) if it cannot be loaded. Several threads may call it
-/// at the same time.
+/// Returns the library that reads and writes image files. It is loaded at the first call. Throws
+/// Error(invalid_input) if it cannot be loaded. Several threads may call this function at the same time.
 [[nodiscard]] const PictureLibrary& picture_library();
 
 /// Header attribute of a crop: its x, y, width and height in the whole image.

@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// Opens a simple PNG or OpenEXR file without OpenImageIO, which is slow to load. Returns null for all other
-/// files, including damaged ones. `open_plain_png` states which PNG files are simple.
+/// Opens a simple PNG or OpenEXR file without OpenImageIO, because loading that library takes time. Returns
+/// null for all other files, including damaged ones. `open_plain_png` states which PNG files are simple.
 ///
 /// An OpenEXR file is simple if its first part is flat and states no colour space. Its channels are half or
 /// float: R, G, B or only Y, with or without alpha. check_exr_headers must have accepted it. The values are

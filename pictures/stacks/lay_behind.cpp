@@ -43,8 +43,10 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
     }
 }
 
-/// Returns the inverse depth, in 1/m, of the last sample of an opaque stack of the front image, or infinity
-/// if the stack transmits light. Samples of the back image are added to the stack only if they are farther.
+/// Returns the depth behind which a pixel's stack of the front image is opaque, as an inverse depth in 1/m:
+/// that of the last sample, if all samples together transmit hardly any light. Samples of the back image are
+/// added to this stack only if they are farther. If the stack transmits light, returns infinity, so that all
+/// samples of the back image are added.
 float last_opaque(std::span<const StackSample> stack) {
     float last = std::numeric_limits<float>::infinity();
     double left = 1;
@@ -79,15 +81,17 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }
-/// Returns the end (last row or column + 1) of the combination of a front and a back image, which end at
-/// `front` and `back`. If the front image ends inside the raster (`front` < `size`), the back image may
-/// extend it. Otherwise, it needs no extension.
+/// Returns the end (last row or column + 1) of the image that combines a front image and a back image. The
+/// front image ends at the row `front`, and the back image at the row `back`. If `front` < `size`, the front
+/// image leaves rows of the raster empty behind it, so the back image may fill them. Otherwise, it already
+/// reaches the raster's border, and the combination ends with it.
 int end_of_both(int front, int back, int size) {
     return front < size ? std::max(front, back) : front;
 }
 
-/// Joins the manifests (lists of object names) of the Cryptomattes of both images. A name in both manifests
-/// keeps its id in `front`.
+/// Joins the Cryptomatte manifests (lists of object names and ids) of the front image and of the back image.
+/// If both manifests contain the same name, the joined manifest has its id in `front`. If one of them is
+/// empty or cannot be read, returns the other one or `front`.
 std::string both_manifests(const std::string& front, const std::string& back) {
     if (front.empty()) return back;
     const auto of_back = manifest_objects(back);

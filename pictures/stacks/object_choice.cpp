@@ -39,10 +39,11 @@ std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& ch
     return out;
 }
 
-/// Returns the ids that the user's text `object` can mean, best first:
+/// Returns the ids that the text `object` can mean, by which the user names an object. The most likely id
+/// comes first:
 /// - the id that the Cryptomatte's manifest (list of names and ids) gives for this name
 /// - the hash of the name
-/// - for an integer, the id itself, or the bits of a float with this value
+/// - if the text is an integer, this integer as the id, or the bits of a float with this value
 std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::string& object) {
     std::vector<std::uint32_t> out;
     if (const auto& matte = picture.channels.matte) {
@@ -77,8 +78,9 @@ std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::stri
          choice.object, expected);
 }
 
-/// Divides a sample into two at the same depth: the fraction `share`, which belongs to the object that the
-/// user selects, and the rest.
+/// Divides a sample into two samples at the same depth. The first one belongs to the object that the user
+/// selects, and gets the fraction `share` of the sample's colour and alpha. The second one gets the rest, so
+/// that both together composite to the same colour and alpha as the sample.
 std::array<StackSample, 2> divided(const StackSample& s, float share) {
     std::array<StackSample, 2> out{s, s};
     const float rest = (1 - share) / (1 - share * s.alpha);

@@ -21,15 +21,17 @@ constexpr int reach_px = 2, reach_of_means_px = 5;
 /// Depths of nearby pixels count as those of one surface if they differ by at most this fraction.
 constexpr double same_surface = 0.05;
 
-/// Clamps a value to the range of float. A surface's colour that is computed from a very bright pixel may
-/// exceed this range.
+/// Converts a value to float, and clamps it to the range of float. This is needed because the colour of a
+/// surface is computed from the colour of a pixel of which it covers only a part. If the pixel is very
+/// bright, the surface's colour may exceed the range of float.
 float within_float(double value) {
     constexpr double most = std::numeric_limits<float>::max();
     return static_cast<float>(std::clamp(value, -most, most));
 }
 
-/// The part of a pixel that shows one surface. Its colour and alpha are those of a pixel that shows only this
-/// surface. The colour is premultiplied by alpha.
+/// One surface in a pixel that shows several surfaces. `share` is the fraction of the pixel that it covers.
+/// `rgba` is the colour and alpha that the pixel would have if it showed only this surface. The colour is
+/// premultiplied by alpha.
 struct Portion {
     std::uint32_t id = 0;
     double share = 0;
@@ -156,9 +158,10 @@ class Unmixer {
         }
     }
 
-    /// Adjusts the colours of a pixel's surfaces so that their mean, weighted by coverage, is the pixel's
-    /// colour `whole`. If no nearby pixel shows the colour of some of these surfaces, changes only those
-    /// surfaces' colours.
+    /// Adjusts the colours of the surfaces in a pixel. Each colour was taken from nearby pixels, so their
+    /// mean, weighted by coverage, may differ from the pixel's own colour `whole`. The colours are changed
+    /// until the mean is `whole`. If no nearby pixel shows the colour of some of these surfaces, only the
+    /// colours of those surfaces are changed.
     static void give_colours(const std::array<double, 4>& whole, std::span<Portion> portions) {
         double unknown = 0, squares = 0;
         for (const Portion& portion : portions) {

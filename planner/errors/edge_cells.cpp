@@ -10,8 +10,9 @@
 namespace postlens {
 namespace {
 
-/// An edge is assumed to cross a quadtree cell if the squared difference of sRGB values between its corners
-/// exceeds this (0.1 squared). Smaller differences are due to smooth shading.
+/// Limit that distinguishes an edge from smooth shading in a quadtree cell. It applies to the squared
+/// difference of sRGB values between the corners of the cell. If this exceeds the limit, 0.1 squared, an edge
+/// is assumed to cross the cell. Smaller differences are due to smooth shading.
 constexpr double least_edge = 0.01;
 /// The colours at the corners of a quadtree cell count as equal if their squared difference of sRGB values is
 /// below this, 1/255 squared.

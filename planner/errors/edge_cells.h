@@ -41,8 +41,9 @@ struct CellStep {
     double square = 0;  ///< squared height of the step, mean over channels
     bool same_id = true;
     double curvature_square = 0;  ///< square of the corners' mixed second difference, as a mean over channels
-    /// `high` is the largest scene-linear value of any colour channel at the cell's four corners. `low` is
-    /// the smallest value of the same channel there.
+    /// Colours of the brightest channel at the cell's four corners, scene-linear. `high` is the largest value
+    /// that any colour channel has at any corner. `low` is the smallest value of the same channel at the four
+    /// corners.
     double high = 0, low = 0;
 };
 

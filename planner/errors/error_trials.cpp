@@ -34,8 +34,9 @@ TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
     return s;
 }
 
-/// Changes the settings of a new trace to the lens and shutter of the image. The trace then records the
-/// hidden surfaces that this lens sees, at instants of this exposure.
+/// Changes the settings `s` of a new trace so that they fit the lens and the shutter of the image, which
+/// `view` describes. The trace then records the hidden surfaces that this lens sees, at instants within this
+/// exposure.
 void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSettings& s) {
     if (view.focus.lens.f_number < std::numeric_limits<double>::infinity()) {
         // Sets the f-number for which the new trace records hidden surfaces. The trace knows no focal length,

@@ -1,4 +1,6 @@
-// Estimates the error of a pixel if part of its light is not recorded, or is reprojected to a wrong position.
+// Estimates the error of a pixel for two cases: a part of its light is not recorded in the sample file, or is
+// reprojected to a wrong position. The missing light is filled in from around the pixel, so the error depends
+// on the contrast there.
 #pragma once
 
 #include <vector>
@@ -12,13 +14,14 @@ namespace postlens {
 [[nodiscard]] std::vector<float> local_contrast(const Image& image);
 
 /// Returns the expected squared error of a pixel's sRGB value if the fraction `unknown_share` of its light is
-/// not recorded. Colours from around the pixel replace this light. `variance` is the variance of the sRGB
-/// values around the pixel.
+/// not recorded in the sample file. This light is replaced by colours from around the pixel. So its error
+/// depends on `variance`, the variance of the sRGB values around the pixel.
 [[nodiscard]] inline double filled_in_error(double unknown_share, double variance) {
     return unknown_share * unknown_share * variance;
 }
-/// Returns the expected squared error of a pixel if its light (the sRGB value `light`) is reprojected to a
-/// wrong position. Half of the light is assumed to reach the right pixel, so the pixel is wrong by light / 2.
+/// Returns the expected squared error of a pixel if some of its light is reprojected to a wrong position.
+/// `light` is this light as an sRGB value. Half of it is assumed to reach the right pixel nevertheless, so
+/// the pixel is wrong by light / 2.
 [[nodiscard]] inline double misplaced_error(double light) {
     return light * light / 4;
 }

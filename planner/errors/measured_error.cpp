@@ -21,8 +21,9 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Returns the estimated squared noise of one pixel in the mean of `a` and `b`. They are the images of two
-/// independent halves of the views. Values are sRGB; the result is a mean over channels.
+/// Returns the estimated squared noise of one pixel in an image that is the mean of `a` and `b`. `a` and `b`
+/// are the images of two independent halves of the views, so their difference shows the noise. The noise is
+/// that of sRGB values, as a mean over channels.
 double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     double out = 0;
     for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
@@ -170,9 +171,10 @@ class TileMeasurement {
         for (const double of_piece : noise_of_pieces) {
             const double noise = of_piece / pixels;
             out.error.noise_mse += noise;
-            // `noise` is d^2, where d is half the difference between the two halves of the views. It
-            // estimates e^2, the squared error of their mean. Since d and e are independent and normal with
-            // the same variance n, e^2 - d^2 has the variance 4 n^2, which is the expectation of 4/3 d^4.
+            // Adds the variance of the estimated noise. `noise` is d^2, where d is half the difference
+            // between the two halves of the views. It estimates e^2, the squared error of the mean of both
+            // halves. d and e are independent and normal with the same variance n. Therefore, e^2 - d^2 has
+            // the variance 4 n^2, which is the expectation of 4/3 d^4.
             out.error.noise_variance += 4.0 / 3 * noise * noise;
         }
         out.error.bias_mse = out.views.mean();

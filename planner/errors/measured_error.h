@@ -1,6 +1,6 @@
-// Measures the error of an image that is the mean of many views. The difference between two independent
-// halves of the views shows the noise. Rays in some pixels show the errors of the recorded colours, which
-// more views do not reduce.
+// Measures the error of an image that is the mean of many views (images from different lens points). The
+// views form two independent halves, whose difference shows the noise. More views would reduce the noise, but
+// not the errors of the colours in the sample file. These errors are measured by rays in some of the pixels.
 #pragma once
 
 #include <algorithm>
@@ -30,8 +30,9 @@ struct TileError {
 
 struct MeasuredError {
     std::vector<TileError> tiles;  ///< one per tile of TileGrid, row by row
-    /// Squared error of the image due to inaccurate or missing colours in the sample file. In random pixels,
-    /// recorded colours are compared with those of rays. Noise may make the estimate negative.
+    /// Squared error of the image that is due to inaccurate or missing colours in the sample file. It is
+    /// estimated in randomly chosen pixels, by comparing the recorded colours with the colours of traced
+    /// rays. These are noisy, so the estimate may be negative.
     double bias_mse = 0;
     double highlights_mse = 0;  ///< the part of `bias_mse` that highlights cause
     double bias_variance = 0;   ///< variance of `bias_mse`
@@ -74,8 +75,9 @@ template <typename Value>
     return out;
 }
 
-/// Estimates each tile's squared noise if its highlights are traced with `views[tile]` rays per pixel.
-/// - `a`, `b`: the two halves of the image's views, which show the variance of a single ray
+/// Estimates, for each tile, the squared noise that the image would have if rays traced the highlights of the
+/// tile, with `views[tile]` rays per pixel.
+/// - `a`, `b`: the two halves of the image's views, from which the variance of a single ray is known
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 

@@ -12,13 +12,15 @@
 
 namespace postlens {
 
-/// Sparse samples cause an error at edges. Averaging over a circle of confusion, of diameter `coc_px`,
-/// divides the squared error by the returned factor. Along an edge `aligned` with the quadtree, errors are
-/// equal, so averaging reduces them less.
+/// Returns the factor by which the lens blur reduces the squared error at edges. This error arises because
+/// samples are sparse. The lens averages it over a circle of confusion, whose diameter is `coc_px`. If the
+/// edge is parallel to the cells of the quadtree (`aligned`), errors along the edge are equal, so averaging
+/// reduces them less.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// The estimated squared error at edges is multiplied by this factor, because samples miss some edges
-/// entirely. Fitted to measurements.
+/// Factor by which the estimated squared error at edges is multiplied. The estimate only knows those edges
+/// that the samples show, but samples miss some edges entirely. The factor accounts for these, and was fitted
+/// to measurements.
 inline constexpr double floor_unseen = 1.4;
 
 /// Estimates the squared error of each pixel's sRGB value that is due to edges. The samples lie at the
@@ -27,8 +29,9 @@ inline constexpr double floor_unseen = 1.4;
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);
-    /// Estimates the error of the pixel rows [y_begin, y_end), whose records are in `band`. `leaves` are the
-    /// undivided quadtree cells that find_leaves finds there. Several threads may add different rows.
+    /// Estimates the errors of the pixels in the rows [y_begin, y_end). `band` contains the records of these
+    /// rows. `leaves` are the undivided cells of the quadtrees into which these pixels are divided, as
+    /// find_leaves() returns them. Several threads may add different rows at the same time.
     void add(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves);
     [[nodiscard]] auto adds() {
         return [this](const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves) {
@@ -46,8 +49,9 @@ class RecordFloor {
     std::vector<float> mse_;
 };
 
-/// Returns the squared error of each pixel due to edges in a sample file. The samples show which quadtree
-/// cell an edge crosses, but not where. Reads all records once.
+/// Returns the squared error of each pixel's sRGB value that is due to edges. The samples of a sample file
+/// show which quadtree cells an edge crosses, but not where the edge lies within a cell, so the colour of the
+/// pixel is uncertain. Reads all records of the file once.
 [[nodiscard]] std::vector<float> record_floor(const SampleFileReader& file, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -13,13 +13,15 @@
 namespace postlens {
 namespace {
 
-/// Number of views (images from different lens points) that measure which fraction of a pixel's samples is
-/// uncertain, i.e. at an edge or where no surface is recorded. With 16 views, the fraction is accurate to a
+/// Number of views (images from different lens points) that are drawn to measure the unsure samples. These
+/// are the samples of views whose colour the sample file does not determine, because they lie at an edge or
+/// no surface is recorded there. With 16 views, the fraction of unsure samples in a pixel is accurate to a
 /// few hundredths.
 constexpr int views_that_tell = 16;
 
-/// Smallest and largest value of each colour channel near a pixel. They are stored for squares of 8 x 8 px,
-/// and include pixels up to `radius_px` around the square.
+/// The smallest and the largest value of each colour channel in the neighbourhood of a pixel. To save time,
+/// they are stored for squares of 8 x 8 px instead of for pixels. They include all pixels up to `radius_px`
+/// around a square.
 class Ranges {
   public:
     Ranges(const Image& image, double radius_px)

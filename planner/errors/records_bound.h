@@ -15,8 +15,9 @@ namespace postlens {
     return a + b + 2 * std::sqrt(a * b);
 }
 
-/// Upper bound of each pixel's error due to unsure samples. A sample is a pixel of one view (image from one
-/// lens point). It is unsure at an edge, or where no surface is recorded. Valid only within the crop.
+/// Upper bound of the error of each pixel that is due to unsure samples. A sample is what one view (image
+/// from one lens point) sees in the pixel. It is unsure if it lies at an edge, or if no surface is recorded
+/// there. The values are valid only within the crop.
 struct RecordsBound {
     std::vector<float> unsure;  ///< share of the unsure samples
     std::vector<float> mse;     ///< bound of the squared error of sRGB values, mean over channels
