@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Finds effects of motion that motion blur cannot show if it only displaces the surfaces that were recorded
-/// at a single instant. The function warnings() names these effects:
+/// Finds effects that motion blur cannot show if it only displaces the surfaces recorded at one instant.
+/// warnings() names them:
 /// - "reflection": a mirror or glass shows an object that moves differently from the mirror or glass.
 /// - "shadow": a moving object may block the light. Its bounding sphere is tested.
 /// - "light": shading changes, because a light moves, or an object turns by over 15 degrees relative to a

@@ -28,9 +28,9 @@ struct ByteTable {
     static constexpr int octaves = 13, cell_shift = 15, cells = octaves << (23 - cell_shift);
     static constexpr float least = 1.0F / (1 << octaves);  ///< smaller values are black
     static constexpr std::uint32_t first = std::bit_cast<std::uint32_t>(least);
-    /// The table divides floats into cells of consecutive bit patterns. In cell i, a float whose bits, as an
-    /// integer, are less than next[i] converts to byte[i]. Any other float in the cell converts to byte[i] +
-    /// 1.
+    /// Contents of the table's cells. A cell is a range of floats with consecutive bit patterns. In cell i, a
+    /// float whose bits, read as an integer, are less than next[i] converts to the sRGB byte byte[i]. Any
+    /// other float in the cell converts to byte[i] + 1.
     std::array<std::uint32_t, cells> next{};
     std::array<std::uint8_t, cells> byte{};
 

@@ -34,12 +34,11 @@ struct PredictedError {
 /// - the crop exceeds the image
 void check_predictable(const SampleHeader& header, const FocusSettings& focus);
 
-/// Estimates the error of `image`, which was made for the lens, crop and shutter of `lens`. `views` is the
-/// number of views (images from different lens points) in this image, or 0 if it was made by a method without
-/// views.
+/// Estimates the error of `image`, which was made for the lens, crop and shutter of `lens`. `views` is its
+/// number of views (images from different lens points), or 0 if its method has no views.
 ///
-/// At least 64 more views are drawn, from other lens points. They form two independent images a and b. The
-/// mean of (image - a)(image - b) over pixels then estimates the squared error of `image`.
+/// Draws at least 64 more views, from other lens points, which form two independent images a and b. The mean
+/// of (image - a)(image - b) over pixels then estimates the squared error of `image`.
 ///
 /// Throws the errors of check_predictable and field_focus. The result is bit-identical for any number of
 /// threads.

@@ -71,7 +71,8 @@ struct GroupMatch {
 /// Returns true if a name belongs to a component of a normal, a position or a motion.
 [[nodiscard]] bool names_vectors(const std::vector<std::string>& words);
 
-/// Returns true if `word`, a word of a channel name, is one of `words`, which all name a pass such as depth.
+/// Returns true if `word`, a word of a channel's name, is one of `words`. These words all name the same pass,
+/// for example depth.
 [[nodiscard]] bool has_word(PassWords words, std::string_view word);
 
 /// If the name of a channel, `name`, is that of a depth, returns the channel as a candidate. From several

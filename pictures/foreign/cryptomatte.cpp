@@ -48,8 +48,7 @@ bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
 }
 
 /// Returns the index of a file part that has the channel `channel` of a Cryptomatte. The part with the
-/// colours, `own`, is searched first, because it is the most likely one. Returns empty if no part has this
-/// channel.
+/// colours, `own`, is preferred to all other parts. Returns empty if no part has this channel.
 std::optional<std::size_t> part_with(const ForeignFile& file, std::size_t own, const std::string& channel) {
     const auto parts = file.parts();
     if (may_hold(file, own, own) && parts[own].has(channel)) return own;
