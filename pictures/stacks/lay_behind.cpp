@@ -90,8 +90,8 @@ int end_of_both(int front, int back, int size) {
 }
 
 /// Joins the Cryptomatte manifests (lists of object names and ids) of the front image and of the back image.
-/// If both manifests contain the same name, the joined manifest has its id in `front`. If one of them is
-/// empty or cannot be read, returns the other one or `front`.
+/// If both manifests contain the same name, the joined manifest has its id in `front`. If `front` is empty,
+/// returns `back`. If one of them cannot be read, returns `front`.
 std::string both_manifests(const std::string& front, const std::string& back) {
     if (front.empty()) return back;
     const auto of_back = manifest_objects(back);

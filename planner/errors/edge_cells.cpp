@@ -116,10 +116,10 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // If no edge crosses a cell, the mean of its four corners is still inexact, because shading is curved.
-    // Model in a unit cell: a x^2 + b y^2 + c x y. The mean of the corners then exceeds the cell's mean by (a
-    // + b) / 6. Four corners determine c, but not a and b, so a + b = c is assumed. `s.curvature_square` is
-    // c^2.
+    // If no edge crosses a cell, the mean of its four corners is still inexact, because the shading is
+    // curved. In a unit cell, this curvature is modelled as a x^2 + b y^2 + c x y. The mean of the corners
+    // then exceeds the cell's mean by (a + b) / 6. The four corners determine c, but not a and b, so a + b =
+    // c is assumed. `s.curvature_square` is c^2.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;
