@@ -14,8 +14,9 @@ namespace {
 /// missing there. A warning appears only if the blur reaches farther into the image than this, in px.
 constexpr double smallest_reach_px = 0.5;
 
-/// Surfaces outside the traced area are missing. Returns how far, in px, their blur would reach into the
-/// image, for each pixel along one border. `radii`: blur radii at the pixel corners of this border.
+/// Surfaces outside the traced area are missing, and so is their light within the image. Returns how far, in
+/// px, their blur would reach into the image, for each pixel along one of its borders. `radii` contains the
+/// blur radii, in px, at the pixel corners along this border of the traced area.
 std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end,
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));

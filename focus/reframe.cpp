@@ -59,8 +59,9 @@ Image reframe(const Image& traced, const RasterWindow& window, int width, int he
         rows.size(),
         [&](std::size_t y) {
             const Box& row = rows[y];
-            // Averages the rows of each box first, then the columns, so that the traced pixels are read in
-            // memory order.
+            // Each pixel of the result is the mean of a box of traced pixels. All boxes of this row cover the
+            // same traced rows. So their mean over these rows is computed first, for each column of the
+            // traced image. Thus, the traced pixels are read in the order in which they lie in memory.
             std::vector<double> mean(3 * static_cast<std::size_t>(window.width()));
             for (std::size_t j = 0; j < row.share.size(); ++j) {
                 const float* from = traced.pixel(0, row.first + static_cast<int>(j) - window.y_begin);

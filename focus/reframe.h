@@ -11,8 +11,9 @@ namespace postlens {
 /// its centre. For zoom < 1, they extend beyond the image.
 [[nodiscard]] RasterWindow window_for_zoom(int width, int height, double zoom);
 
-/// Magnifies `traced`, an image of the raster area `window`, by the factor `zoom` about its centre. Returns
-/// `width` x `height` pixels, which are area-weighted means.
+/// Magnifies `traced`, an image of the raster area `window`, by the factor `zoom` about the centre of the
+/// image. Returns `width` x `height` pixels. Each is the mean of the traced pixels that it covers, weighted
+/// by area.
 [[nodiscard]] Image reframe(const Image& traced, const RasterWindow& window, int width, int height,
                             double zoom);
 

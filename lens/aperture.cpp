@@ -13,8 +13,9 @@ namespace {
 
 using glm::dvec2;
 
-/// Smallest ratio rim_scale of lens radius to vignetting rim radius. A rim that is over 20 times as large as
-/// the lens counts as blocking no light.
+/// The rim that causes vignetting is projected onto the lens, and `rim_scale` is the lens radius divided by
+/// the radius of this projection. If rim_scale is below this limit, the rim is over 20 times as large as the
+/// lens, and counts as blocking no light.
 constexpr double smallest_rim_scale = 0.05;
 /// Largest distance, in lens radii, between the aperture's outline and the polygon that replaces it when
 /// random lens points are drawn.
@@ -80,9 +81,10 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         accumulate(row_light_.begin(), row_light_.end());
     } else {
         rim_ = whole(fine);
-        // Upper bound of the distance from the lens centre to the aperture's outline, in lens radii. A
-        // polygon that replaces a circle has equal area, so its corners lie up to 1.5 % outside. Squeeze
-        // divides x.
+        // Computes an upper bound of the distance from the lens centre to the aperture's outline, in lens
+        // radii. A polygon that replaces a circle has the same area, so its corners lie up to 1.5 % outside
+        // the circle. Squeeze divides x, so a squeeze below 1 makes the outline wider, by the factor 1 /
+        // squeeze.
         constexpr double coarsest = 1.015;
         farthest_ = coarsest * std::max(1.0, 1 / impulse.squeeze);
         for (std::size_t i = 0; i < rim_.size(); ++i) {
@@ -133,8 +135,9 @@ bool Aperture::passes(const dvec2& q, const dvec2& field, double rim_scale) cons
 // Returns the fraction of a round lens that the rim of cat's-eye vignetting leaves open.
 double Aperture::share_of_disc(const dvec2& field, double rim_scale) const {
     if (rim_scale < smallest_rim_scale) return 1;
-    // The vignetting rim is a circle of radius r, and its centre is at distance d from the lens centre.
-    // Lengths are in lens radii.
+    // Computes the area in which two circles overlap: the lens and the vignetting rim. The lens has radius 1.
+    // The rim has the radius r, and its centre is at distance d from the lens centre. Lengths are in lens
+    // radii.
     const double r = 1 / rim_scale;
     const double d = impulse_.cats_eye * std::hypot(field.x * impulse_.squeeze, field.y) * r;
     if (d >= 1 + r) return 0;

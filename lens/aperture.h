@@ -46,8 +46,8 @@ class Aperture {
 
     /// Returns true for a disc without squeeze, cat's-eye vignetting or spherical aberration.
     [[nodiscard]] bool is_round() const;
-    /// Returns true if foreground and background blur of equal size look the same, because the aperture is
-    /// symmetric about its centre.
+    /// Returns true if the aperture is symmetric about its centre. Foreground and background blur of equal
+    /// size then look the same.
     [[nodiscard]] bool is_point_symmetric() const;
     [[nodiscard]] bool varies_over_field() const { return impulse_.cats_eye != 0; }
     [[nodiscard]] double cats_eye() const { return impulse_.cats_eye; }
@@ -57,23 +57,26 @@ class Aperture {
     /// Largest distance of a point of the aperture from its centre, in lens radii.
     [[nodiscard]] double farthest() const { return farthest_; }
 
-    /// Returns the part of the aperture that cat's-eye vignetting leaves open at image position `field`. It
-    /// is a polygon in lens radii, within `tolerance` of the true outline, and empty if no light passes.
-    /// `rim_scale` is the class comment's k.
+    /// Returns the part of the aperture that cat's-eye vignetting leaves open at image position `field`,
+    /// which is relative to the centre and has length 1 at an image corner. It is a polygon in lens radii,
+    /// within `tolerance` lens radii of the true outline, and empty if no light passes. `rim_scale` is the
+    /// lens radius divided by the radius of the vignetting rim, projected onto the lens.
     ///
     /// Not available if the aperture is an image.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;
-    /// Returns the outline of the rim that causes cat's-eye vignetting at image position `field`. Projected
-    /// onto the lens from the scene point, its radius is 1 / rim_scale lens radii. For rim_scale below 0.05,
-    /// the rim blocks no light, and a large square replaces it.
+    /// Returns the outline of the rim that causes cat's-eye vignetting at image position `field`, in lens
+    /// radii. The rim is projected onto the lens from the scene point, and its radius is then 1 / rim_scale.
+    /// If rim_scale is below 0.05, the rim is so large that it blocks no light. A large square then replaces
+    /// it.
     [[nodiscard]] Outline second_rim(const glm::dvec2& field, double tolerance, double rim_scale) const;
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
     /// Returns false if cat's-eye vignetting blocks the light that crosses the aperture at point q and
     /// travels to image position `field`.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
     /// Returns the fraction of the aperture's light that cat's-eye vignetting leaves at image position
-    /// `field`. It is exact for a disc. For other shapes and distant scene points (rim_scale near 1), the
-    /// error is about 1e-3.
+    /// `field`, which is relative to the centre and has length 1 at an image corner. The result is exact for
+    /// a disc. For other shapes, the error is about 1e-3 if the scene point is distant, so that rim_scale is
+    /// close to 1.
     [[nodiscard]] double transmission(const glm::dvec2& field, double rim_scale = 1) const;
 
     /// Maps (u, v) in [0, 1)^2 to a point of the aperture, with a density proportional to the transmitted

@@ -42,8 +42,9 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
     return {x_begin, y_begin, x_end - x_begin, y_end - y_begin};
 }
 
-/// Spherical aberration bends the image of a straight line on the lens. Returns into how many parts to divide
-/// such a line, so that each part's image is straight within 0.02 px.
+/// Spherical aberration bends the image of a straight line on the lens. The line has the length `length`, in
+/// lens radii. Returns into how many parts it must be divided so that the image of each part is straight
+/// within 0.02 px.
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));
@@ -56,8 +57,8 @@ struct CoarsePicture {
     std::vector<double> light;
 };
 
-/// Reduces the resolution of an aperture image until its cells are about half a pixel wide in the blur
-/// kernel. Originally, they are `cell_px` wide there.
+/// Reduces the resolution of an aperture image. A cell of this image covers `cell_px` px of the blur kernel.
+/// Cells are combined until they cover about half a pixel, because smaller ones would only take more time.
 CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     const int longest = std::max(from.width, from.height);
     const int step =
@@ -75,8 +76,8 @@ CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     return out;
 }
 
-/// Adds the blur kernel of an aperture that is given as an image to a grid of pixels. Returns the added
-/// energy.
+/// Adds the blur kernel of an aperture that is given as an image to a grid of pixels (`deposit`). Returns the
+/// energy that was added.
 double deposit_picture(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                        CellDeposit& deposit) {
     const AperturePicture& whole = *aperture.picture();
@@ -121,8 +122,9 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
     return sum;
 }
 
-/// Computes the blur kernel of an aperture that is given by its outline. Divides the aperture into rings of
-/// cells around its centre, and adds each cell's light to the pixels on which it falls.
+/// Computes the blur kernel of an aperture that is given by its outline. Divides the aperture into rings
+/// around its centre, and each ring into cells. The light of each cell is added to the pixels on which it
+/// falls.
 void deposit_rings(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                    CellDeposit& deposit) {
     constexpr double within_px = 0.02, ring_px = 1.5;
@@ -148,9 +150,9 @@ void deposit_rings(const Aperture& aperture, const ApertureImage& image, const d
             const std::size_t next = (i + 1) % rim.size();
             const dvec2 a = rim[i] - middle, b = rim[next] - middle;
             const double energy = (a.x * b.y - a.y * b.x) / 2 / total * (t * t - before * before);
-            // Splits each cell of the aperture into two triangles. With spherical aberration, a
-            // quadrilateral's four corners may land so that their outline crosses itself. A triangle's three
-            // corners cannot.
+            // Splits each cell of the aperture into two triangles. With spherical aberration, the four
+            // corners of a cell may land so that the quadrilateral between them crosses itself. The three
+            // corners of a triangle cannot.
             const double inner_share = before / (before + t);  // for the triangle with the inner side
             deposit.add(std::array<dvec2, 3>{inner[i], outer[i], outer[next]}, energy * (1 - inner_share));
             if (ring > 1)
@@ -190,12 +192,14 @@ double rim_of(const Aperture& aperture) {
 }
 
 double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px) {
-    // A ray at rho lens radii from the lens centre lands |R rho + S rho^3| px from the ray through the
-    // centre. R stands for `radius_px`, and S for `spherical_px`.
+    // Computes where rays land, relative to the ray through the lens centre. A ray that passes the lens at
+    // rho lens radii from its centre lands |R rho + S rho^3| px away. R is the signed CoC radius `radius_px`,
+    // and S is `spherical_px`, which describes spherical aberration.
     const double rim = rim_of(aperture), square = rim * rim;
     const double out = rim * std::abs(radius_px + spherical_px * square);
-    // The ray through the lens rim lands farthest out, unless defocus and spherical aberration displace it in
-    // opposite directions. Then a ray nearer to the lens centre may land farther out.
+    // Usually, the ray through the lens rim lands farthest from the ray through the lens centre. But defocus
+    // (`radius_px`) and spherical aberration may displace it in opposite directions. Then a ray nearer to the
+    // lens centre, through the radius `zone`, may land farther away.
     if (radius_px * spherical_px >= 0 || std::abs(radius_px) >= 3 * std::abs(spherical_px) * square)
         return out;
     const double zone = std::sqrt(-radius_px / (3 * spherical_px));
@@ -204,8 +208,9 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // With cat's-eye vignetting, the blur kernel's outline changes slowly from pixel to pixel, but
-    // neighbouring pixels share one kernel. An outline more precise than 0.02 px would then be useless.
+    // With cat's-eye vignetting, the blur kernel's outline changes slowly from pixel to pixel. But
+    // neighbouring pixels share one kernel, which causes a small error. Therefore, an outline more precise
+    // than 0.02 px would be useless.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

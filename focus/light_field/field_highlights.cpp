@@ -14,28 +14,33 @@
 namespace postlens {
 namespace {
 
-/// A highlight with a smaller blur radius than this, in px, appears in the same pixel for all lens points. So
-/// all lens points can test its visibility there.
+/// Blur radius, in px. A highlight with a smaller blur appears in the same pixel for all lens points. So the
+/// views from all lens points are used together to decide what fraction of its light is visible in this
+/// pixel.
 constexpr double seen_by_all_px = 0.5;
-/// A sharp highlight is spread by its blur kernel only if the bright area of its surface, within a square of
-/// 16 x 16 px, is smaller than this, in px^2. `small_px2` is for mirror images that may be partly hidden,
-/// `sharp_px2` for unhidden highlights.
+/// Area limits for sharp highlights, whose blur radius is below 2 px. A sharp highlight is spread by its blur
+/// kernel only if it is small: the bright area of its surface, within a square of 16 x 16 px, must be below
+/// the limit, in px^2. The limit is `sharp_px2` if nothing hides the highlight. It is `small_px2` if the
+/// highlight is a mirror image that may be partly hidden.
 constexpr float sharp_px2 = 64, small_px2 = 4;
-/// Highlights that lie within the same small square are merged into one light source. A moving highlight is
-/// drawn at several instants of the exposure, and more instants need wider squares:
+/// Highlights of one surface that lie within the same small square are merged into one light source. For
+/// moving highlights, the width of this square depends on the number of instants at which the highlight is
+/// drawn. Each instant needs its own light source, so the squares are wider if there are more instants:
 /// - 1/8 px up to moments_of_eighths instants
 /// - 1/4 px up to moments_of_quarters instants
 /// - 1/2 px above
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
-/// Largest number of light sources for moving highlights: one for each highlight and each instant at which it
-/// is drawn. To stay below, highlights are drawn at fewer instants, but at no fewer than least_moments.
+/// Largest number of light sources that represent moving highlights. A highlight needs one light source for
+/// each instant at which it is drawn. If the total would exceed most_moving, highlights are drawn at fewer
+/// instants, but at no fewer than least_moments.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
-/// Radiance of white. Blur kernels spread only the part of a highlight's radiance above this value. The rest
-/// is reprojected like other light.
+/// Radiance of white. If a blur kernel spreads a highlight, it spreads only the part of its radiance above
+/// this value. The part below is reprojected to the lens points like other light.
 constexpr float white = 1;
-/// A static highlight must exceed this radiance (white) in some channel to be spread by a blur kernel. Dimmer
-/// light is reprojected like other light, because it causes little noise.
+/// A static highlight is spread by a blur kernel only if its radiance exceeds this value (white) in some
+/// colour channel. Dimmer light is reprojected to the lens points like other light, because it causes little
+/// noise.
 constexpr float least_radiance = 1;
 /// Highlights of one surface within a square of this width in the image share one visibility test.
 constexpr double group_px = 1.5;
@@ -52,11 +57,14 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= sharp_below_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // What hides a highlight within a mirror is not tested. So a sharp highlight in a mirror is spread by
-        // its blur kernel only if it is small.
+        // A highlight seen in a mirror may be partly hidden by other objects in the mirror, but this is not
+        // tested. A blur kernel would therefore spread light that is hidden. So if the highlight is sharp,
+        // its blur kernel spreads it only if it is small. Otherwise, the light is reprojected like other
+        // light.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // If a highlight is larger than its blur, the image may show that an occluder hides only a part. So
-        // kernels spread only smaller highlights.
+        // An occluder may hide a part of this highlight. If the highlight is larger than its blur, the image
+        // shows which part is hidden, but the test of visibility treats the highlight as a point. So blur
+        // kernels spread only highlights that are smaller than their blur.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -165,11 +173,13 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
     const glm::dvec2 middle = s.at + inclination_shift_px(h, geometry_);
-    // A sharp moving highlight may extend over several pixels, but one kernel would put its whole light into
-    // one pixel. It is therefore divided at pixel borders.
+    // A sharp moving highlight may extend over several pixels, but one kernel would put all of its light into
+    // one pixel. Therefore, the highlight is divided at the borders of pixels, and each part has its own
+    // kernel. `side` is the highlight's width, in px; 0 means that it is not divided.
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
-    // A sharp static highlight (`is_point`) is kept inside its pixel. Otherwise, rounding could move its
-    // light into the next pixel.
+    // True for a static highlight (`u` is then negative) whose blur lies within one pixel. The position of
+    // its kernel is rounded to a fraction of a pixel. Rounding could move the kernel to the pixel's border,
+    // and so a part of its light into the next pixel. Therefore, `phase` keeps the position inside the pixel.
     const bool stays_in_pixel = s.u < 0 && is_point(h, geometry_);
     for (const Span& y : divided_at_cells(middle.y, side, 1)) {
         for (const Span& x : divided_at_cells(middle.x, side, 1)) {
@@ -235,8 +245,10 @@ void FieldHighlights::group_sources() {
         g.spread_px += s.light / g.light * off * off;
     }
     for (Group& g : groups_) g.spread_px = glm::sqrt(g.spread_px);
-    // Highlights with the same parts differ in `u` (their instant), so std::sort gives a unique order.
-    // std::stable_sort would copy all.
+    // Sorts the light sources by group. Sources of one group that begin with the same element of parts_ are
+    // the same highlight at different instants `u`, or at different pixels (x, y). So no two sources are
+    // equal in all these values, and the order that std::sort finds is unique. std::stable_sort is not
+    // needed, and would allocate memory for a copy.
     std::sort(sources_.begin(), sources_.end(), [](const Source& a, const Source& b) {
         return std::tuple(a.group, a.first_part, a.u, a.y, a.x) <
                std::tuple(b.group, b.first_part, b.u, b.y, b.x);

@@ -22,36 +22,43 @@ namespace postlens {
 /// Returns the rule that selects highlights to be spread by blur kernels. Other light is blurred as the mean
 /// of images from a few lens points, in which a highlight would be visible as separate copies.
 ///
-/// The rule selects no highlights if the kernel varies over the image or has spherical aberration.
+/// The rule selects no highlights if the kernel varies over the image or has spherical aberration, because
+/// FieldHighlights supports neither.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
 /// Highlights that were removed from the recorded surfaces, because blur kernels spread them separately.
 ///
-/// For the brightest static highlights that are seen directly, it is computed exactly which surfaces hide
-/// them. For others, this is looked up in the views (images drawn from single lens points).
+/// A nearer surface may hide a highlight from a part of the lens. For the brightest static highlights that
+/// are seen directly, the nearer surfaces are projected to find out exactly which part. For other highlights,
+/// the views (images drawn from single lens points) show it: a lens point sees the highlight if its view
+/// shows no nearer surface there.
 class FieldHighlights {
   public:
     /// Collects the highlights of recorded surfaces, and finds the blur kernel of each.
     /// - `sheets`: the recorded surfaces with their highlights; must outlive this object
-    /// - `window`: the pixels of the image
+    /// - `window`: the pixels of the image, as a part of the raster
     /// - `motion`: motion of the highlights; null if nothing moves
     FieldHighlights(const TreeSheets& sheets, const Aperture& aperture, const FocusGeometry& geometry,
                     const RasterWindow& window, const HighlightMotion* motion = nullptr);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
-    /// Returns an object that adds the blurred highlights to an image that is the mean of the views from the
-    /// lens points `views`. It keeps a reference to this FieldHighlights.
+    /// Returns an object that adds the blurred highlights to an image. The image is the mean of the views,
+    /// which are images from the lens points `views`. The object keeps a reference to this FieldHighlights
+    /// and to `views`.
     /// - `set`: index of this set of lens points, used as random seed
     /// - `instants`: instant of each lens point, as a fraction of the exposure; may be empty if nothing moves
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
-    /// Chooses random rays from the pixel (x, y) to the highlights `sources`. A ray to a sharp moving
-    /// highlight may miss it, because pixels next to its path count too.
+    /// Chooses random rays through the pixel (x, y) and the lens to the highlights `sources`, and appends
+    /// them to `lines`. For a sharp moving highlight, rays are also chosen if its path only passes next to
+    /// the pixel, because parts of the highlight that the file lacks may pass through it. Such rays may miss
+    /// the highlight.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the light sources (merged highlights) whose blur may reach a rectangle of the
-    /// image. The rectangle must lie within one tile (SeenTile::edge).
+    /// image. (x, y) is the rectangle's upper left pixel. The rectangle must lie within one tile, a square of
+    /// SeenTile::edge px.
     [[nodiscard]] std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const;
 
   private:
@@ -82,9 +89,9 @@ class FieldHighlights {
         glm::dvec2 spread_px{0};                             ///< standard deviation of the sources' positions
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
-    /// Neighbouring highlights in a tile that share visibility tests. `samples` is the number of positions
-    /// tested in each pixel. It is 0 if no test is needed, because the views already show which highlights
-    /// are visible.
+    /// Neighbouring highlights whose blur reaches a tile (square of the image). They share tests of whether
+    /// nearer surfaces hide them. `samples` is the number of positions in each pixel at which this is tested.
+    /// If `samples` is 0, it is not tested, but looked up in the tile's views.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;
@@ -116,8 +123,10 @@ class FieldHighlights {
         RasterWindow pixels;
         std::uint32_t source = 0;
     };
-    /// Calls take(reach) for all sources whose blur may reach the tile at (x, y), and for wide ones elsewhere
-    /// in its row, until one call returns true. Returns whether one did.
+    /// Calls `take` for each light source whose blur may reach the tile that contains the pixel (x, y), until
+    /// one call returns true. Its argument states the pixels that the blur may reach. Light sources with a
+    /// wide blur are listed per row of tiles, so `take` is also called for those that reach only other tiles
+    /// of this row. Returns whether a call returned true.
     template <typename Take>
     bool any_near(int x, int y, const Take& take) const {
         const int row = y / SeenTile::edge, column = x / SeenTile::edge;

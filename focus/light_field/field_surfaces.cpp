@@ -13,12 +13,14 @@
 namespace postlens {
 namespace {
 
-/// A highlight's blur kernel reaches at most kernel_grows times as far as its circle of confusion, plus
-/// kernel_margin_px. Both are margins for kernels whose sizes are rounded up.
+/// Upper bound of the distance that a highlight's blur kernel reaches: kernel_grows times the radius of its
+/// circle of confusion, plus kernel_margin_px, in px. The bound is larger than the circle itself, because the
+/// sizes of kernels may be rounded up.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// A large image is drawn in groups of rows, and the surfaces of each group are read from the file again.
-/// Surfaces that some lens point sees more than far_px above or below their recorded row stay in memory
-/// instead, up to most_far_bytes.
+/// A large image is drawn in groups of rows, to save memory. The surfaces of each group are read from the
+/// rows of the file near the group. But some lens point may see a surface far from the row in which it is
+/// recorded. If this distance exceeds far_px, in px, the surface stays in memory for all groups. Such
+/// surfaces may use up to most_far_bytes.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 
@@ -38,7 +40,7 @@ std::size_t bytes_of(const PatchMesh& m) {
 }
 
 /// Returns the surfaces i of `mesh` for which wanted(reaches[i]) is true. reaches[i] is the range of image
-/// rows in which surface i appears from any lens point.
+/// rows in which surface i may appear from some lens point.
 template <typename Reaches, typename Wanted>
 SheetMesh chosen(const SheetMesh& mesh, const Reaches& reaches, const Wanted& wanted) {
     std::vector<std::uint8_t> which;

@@ -21,9 +21,9 @@
 
 namespace postlens {
 
-/// The recorded surfaces. `sheets` has those of each recorded instant, cut into squares of 16 x 16 px.
-/// `primary` has the planar parts of surfaces seen directly, and `deeper` those of surfaces seen by
-/// reflection or transmission.
+/// The recorded surfaces. `sheets` contains the surfaces of each recorded instant, cut into squares of 16 x
+/// 16 px. `primary` contains, for each instant, the planar parts of the surfaces that are seen directly.
+/// `deeper` contains the planar parts of the surfaces that are seen by reflection or transmission.
 struct FieldSurfaces {
     std::vector<std::shared_ptr<const TreeSheets>> sheets;
     std::vector<PatchMesh> primary, deeper;
@@ -42,24 +42,24 @@ using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMe
 /// Upper bound of the result of surface_bytes_of_record.
 inline constexpr double most_surface_bytes_of_record = 400;
 
-/// Reads the surfaces that appear in one group of image rows at a time, to save memory.
+/// Reads from a sample file the surfaces that appear in one group of image rows at a time, to save memory.
 ///
-/// The first read keeps the few surfaces in memory that some lens point sees far above or below their
-/// recorded rows. Later reads therefore need only the file's rows near the group.
+/// Some lens point may see a surface far above or below the row in which it is recorded. The first read keeps
+/// these few surfaces in memory. So later reads need only the rows of the file near the group.
 class FieldStrips {
   public:
     /// Keeps references to the arguments.
-    /// - `lens_box_px`: largest shift |x| and |y| of a surface's image from the lens centre to another lens
-    ///   point, in px per 1/m of inverse depth
+    /// - `lens_box_px`: largest shift of a surface's image, in x and in y, from the lens centre to another
+    ///   lens point, in px per 1/m of inverse depth
     /// - `motion`: motion of the highlights; null if nothing moves
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
 
-    /// Returns the surfaces that any point of the lens sees in the rows [y_begin, y_end) of the raster, the
-    /// pixel grid of the file.
+    /// Reads from the sample file the surfaces that appear in the rows [y_begin, y_end) of the raster, the
+    /// pixel grid of the file. A surface is included if it appears there from any point of the lens.
     [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
-    /// Visits all surfaces of a recorded instant, in several parts and in any order. Only one thread at a
-    /// time calls `visit`.
+    /// Calls `visit` for all surfaces of a recorded instant. It is called several times, each time with a
+    /// part of the surfaces, in any order. Only one thread at a time calls it.
     void visit(std::size_t instant, const SurfacesVisit& visit);
     /// Divides the image into groups of whole rows of tiles, each with at most `most_records` surface
     /// samples. A single row of tiles may exceed this.
@@ -76,8 +76,9 @@ class FieldStrips {
         }
     };
     /// Surfaces that stay in memory between reads, because some lens point sees them many rows above or below
-    /// their recorded row. `primary` has the range of rows in which each directly visible surface may appear,
-    /// and `deeper` that of each reflected or transmitted surface.
+    /// the row in which they are recorded. `primary` contains one range of rows for each surface that is seen
+    /// directly: the rows in which the surface may appear. `deeper` contains the same for each surface that
+    /// is seen by reflection or transmission.
     struct Far {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;

@@ -1,5 +1,5 @@
-// Chooses rays that measure the error of a light field's highlights. Each ray starts in a pixel and passes
-// through the lens to a highlight whose blur covers the pixel.
+// Chooses the rays with which the error of a light field's highlights is measured. Each ray starts in a pixel
+// and passes through the lens to a highlight whose blur covers the pixel.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -15,8 +15,8 @@ namespace {
 
 /// Number of random attempts to find a ray from a highlight through both the aperture and the pixel.
 constexpr int attempts = 256;
-/// If a sharp highlight moves past a pixel during the exposure, the number of rays through the pixel is
-/// multiplied by this. More rays are needed, because many of them miss the highlight.
+/// Factor for the number of rays through a pixel. It applies if a sharp highlight moves past the pixel during
+/// the exposure. More rays are needed, because many of them miss the moving highlight.
 constexpr int passing_lines = 16;
 
 /// Sharp moving highlights of one surface that pass near a pixel. Each of the `spans` is an interval during
@@ -138,8 +138,9 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // Chooses highlights with a probability proportional to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // For a moving highlight, aims at a random position in the pixel. Rays aimed at its recorded
-            // parts would miss the parts that the sample file lacks.
+            // The highlight moves, and its records in the sample file may lack some of its parts. Rays aimed
+            // at its recorded parts would never hit the missing ones. Therefore, the ray is not aimed at the
+            // highlight, but at a random position in the pixel and at a random lens point.
             chosen -= light;
             std::size_t k = 0;
             for (; k + 1 < passing.size() && chosen >= passing[k].light; ++k) chosen -= passing[k].light;
@@ -158,9 +159,10 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const Source& s = sources_[r.source];
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
-        // A ray from the highlight must hit both the pixel and the lens. If the blur is smaller than a pixel,
-        // most rays through random lens points hit the pixel. Otherwise, most rays through random positions
-        // in the pixel hit the lens.
+        // A ray from the highlight must pass through both the lens and the pixel. One of the two positions is
+        // chosen at random, and the other follows from it. If the blur is smaller than a pixel, the lens
+        // point is chosen, because most rays through the lens then hit the pixel. Otherwise, the position in
+        // the pixel is chosen, because most rays through the pixel then hit the lens.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

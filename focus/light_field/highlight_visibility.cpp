@@ -19,14 +19,16 @@
 namespace postlens {
 namespace {
 
-/// A surface hides a highlight only if it is nearer by about 2 %: its inverse depth must exceed the
+/// A surface hides a highlight only if it is nearer by at least about 2 %: its inverse depth must exceed the
 /// highlight's inverse depth times this factor.
 constexpr float nearer = 1.02F;
-/// If a tile has many highlights, the time to test which are hidden is limited: at least to the time in which
-/// the tile is drawn from this many lens points.
+/// Nearer surfaces may hide highlights, and the time to test this in one tile is limited. The limit is the
+/// time to draw the tile from as many lens points as the image uses, or from least_drawn lens points if the
+/// image uses fewer.
 constexpr std::size_t least_drawn = 64;
-/// Testing whether highlights are hidden means drawing a part of a tile. The estimated time is at least this
-/// fraction of the time for the whole tile.
+/// To test whether a highlight is hidden, nearer surfaces are drawn in a part of the tile. The cost of this
+/// test is estimated as the part's share of the tile's area. Even for a tiny part, finding these surfaces
+/// takes time. So the estimate is never below this fraction of the cost of drawing the whole tile.
 constexpr double least_cost = 0.1;
 /// Positions in a pixel, in px, at which the visibility of highlights is tested. Each row and each column of
 /// a 4 x 4 grid over the pixel contains one position.
@@ -36,8 +38,10 @@ constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm:
 /// These are the points' offsets, in standard deviations of the highlights' positions.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// An occluder casts a shadow into the blur of each highlight in a group. If the shadows' positions have at
-/// most this standard deviation, in px, all highlights are tested at the group's centre.
+/// An occluder in front of several highlights (a group) casts one shadow into the blur of each. The shadows'
+/// positions differ, because the highlights' positions do. If the standard deviation of the shadows'
+/// positions, in px, is at most told_apart_px, all highlights of the group are treated as if they lay at its
+/// centre.
 constexpr double told_apart_px = 0.3;
 
 }  // namespace
@@ -69,14 +73,16 @@ class FieldHighlights::OverViews final : public Lights {
         Nearest nearest;
         std::vector<std::uint32_t> all;
     };
-    /// Finds the three nearest lens points for each cell of a grid of `edge` x `edge` cells over the lens.
-    /// Lens point i has its own instant. Its distance in time, squared and in units of squared lens radii, is
-    /// away2(i), which is added to the squared distance on the lens.
+    /// Divides the lens into a grid of `edge` x `edge` cells, and finds the three lens points that are
+    /// nearest to each cell's centre. "Nearest" considers both the position on the lens and the instant of
+    /// the lens point. The distance of lens point i is its squared distance on the lens, in squared lens
+    /// radii, plus away2(i), which states how far its instant is from the wanted one.
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
-    /// Lists the lens points nearest to each cell of a grid over the lens. Their views show whether a
-    /// highlight's light reaches the cell. Made when a tile with highlights first needs it.
+    /// A grid of cells over the lens. For each cell, the table lists the lens points nearest to it. The views
+    /// from these lens points are used to decide whether a highlight's light reaches this cell of the lens.
+    /// The table is made when a tile with highlights first needs it.
     struct Tables {
         Asked always;
         std::vector<Asked> timed;  ///< per span of the exposure; empty if no highlight moves
@@ -85,8 +91,9 @@ class FieldHighlights::OverViews final : public Lights {
     void lay_timed(std::vector<Asked>& timed) const;
     [[nodiscard]] static std::size_t cell_of(const glm::dvec2& q, int edge);
     [[nodiscard]] const Asked& asked(const Source& s) const {
-        // Makes `tables_` without parallel loops. Other threads may wait in call_once until `tables_` is
-        // complete. A parallel loop could wait for one of these threads, a deadlock.
+        // Makes `tables_` once. Meanwhile, other threads may wait in call_once. make_tables() must not use a
+        // parallel loop: such a loop could wait for the other threads, while they wait for the tables (a
+        // deadlock).
         std::call_once(made_, [this] { tables_ = make_tables(); });
         if (s.u < 0 || tables_.timed.empty()) return tables_.always;
         return tables_.timed[static_cast<std::size_t>(std::clamp(s.u * spans, 0.0, spans - 1.0))];
@@ -110,17 +117,21 @@ class FieldHighlights::OverViews final : public Lights {
 
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
-    /// For moving highlights, the exposure is divided into this many intervals. Each has its own list of lens
-    /// points near each part of the lens.
+    /// Number of equal intervals into which the exposure is divided, for highlights that move. Each interval
+    /// has its own table, which lists the lens points nearest to each part of the lens. Lens points whose
+    /// instant lies far from the interval count as more distant.
     static constexpr int spans = 16;
-    /// When the nearest lens points are searched, a time difference of the whole exposure counts like this
-    /// distance on the lens, in lens radii.
+    /// Converts a time difference to a distance, because the search for the nearest lens points considers
+    /// both the position on the lens and the instant. A time difference as long as the whole exposure counts
+    /// as much as this distance on the lens, in lens radii.
     static constexpr double lens_radii_of_open = 2;
-    /// Value of Part::share, the visible fraction of a group of highlights, if some views of a static scene
-    /// see the group and others do not.
+    /// Special value of Part::share, which is normally the visible fraction of a group of highlights in a
+    /// pixel. It means that some views of a static scene see the group and others do not. The fraction is
+    /// then computed separately for each highlight.
     static constexpr float differs = -1;
-    /// An eighth of the views, but at least four, decide how much of a sharp highlight is visible: those
-    /// whose sample lies closest to the highlight.
+    /// The visibility of a sharp highlight is decided by a few views: those whose sample in the pixel lies
+    /// closest to the highlight. Their number is the number of all views divided by beside_of_views, but at
+    /// least least_beside.
     static constexpr std::size_t beside_of_views = 8, least_beside = 4;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
     const FieldHighlights& of_;
@@ -258,8 +269,9 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
     constexpr int next_row = 89;
-    // Shifts the points at which visibility is tested. The shift is different for each group of highlights
-    // and each set of lens points, so that their errors are independent and average out.
+    // Shifts the positions in each pixel at which visibility is tested, by `turn` in px. The shift differs
+    // between groups of highlights and between sets of lens points. So their errors are independent, and
+    // average out.
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
                             glm::dvec2(set_) * glm::dvec2(0.38196601125010515, 0.6180339887498949);
@@ -272,8 +284,9 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                              of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
                              of_.geometry_.inverse_focus_per_m};
         for (const Patch& patch : patches.patches) {
-            // Skips surfaces behind the highlight, which cannot hide it. The surfaces are not sorted by
-            // depth, so later ones may lie in front of the highlight.
+            // Skips a surface that lies completely behind the highlight, because it cannot hide the
+            // highlight. The loop then continues, because the surfaces are not sorted by depth, so later ones
+            // may lie in front of the highlight.
             if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
             place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, before);
         }
@@ -406,9 +419,10 @@ double FieldHighlights::OverViews::seen_share(const Source& s, const TileViews& 
     return s.by_all ? share(from.all) : share(from.nearest[cell_of(q, from.edge)]);
 }
 
-/// Returns the visible fraction of a sharp highlight's light in one pixel. Each view has one sample in the
-/// pixel, which may show another object beside the highlight. So only the views decide whose samples are
-/// closest to the highlight's image.
+/// Returns the fraction of a sharp highlight's light that is visible in one pixel. Each view has one sample
+/// in this pixel, at its own position. A sample that lies far from the highlight may show another object,
+/// which says nothing about the highlight. Therefore, only the views with the closest samples are used, and
+/// the result is the fraction of them that see the highlight.
 /// - `corner`: upper left corner of the pixel
 double FieldHighlights::OverViews::seen_share_beside(const Source& s, const TileViews& views,
                                                      std::size_t pixel, const glm::dvec2& corner) const {

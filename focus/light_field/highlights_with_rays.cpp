@@ -16,8 +16,9 @@
 namespace postlens {
 namespace {
 
-/// Identifies a surface that a ray hits: the reflections and transmissions before the hit, the object that
-/// caused the last of them, the object that is hit, and the column and row of the image square (16 x 16 px).
+/// Identifies a surface that a ray hits. It contains the sequence of reflections and transmissions before the
+/// hit, the number of the object that caused the last of them, the number of the object that is hit, and the
+/// column and row of the image square (16 x 16 px).
 using SurfaceSeen = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, int, int>;
 
 SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at,
@@ -36,12 +37,15 @@ struct BrightLight {
     double blur_px = 0;  ///< largest radius of its circles of confusion
 };
 
-/// Bright light is not spread by blur kernels if it fills at least this fraction of the area over which it is
-/// blurred. The mean of images from many lens points shows such light well.
+/// The blur of a bright surface covers a larger area than the surface itself. If the surface fills at least
+/// this fraction of the blurred area, blur kernels do not spread its light. They are not needed then, because
+/// the mean of images from many lens points shows such light without visible copies.
 constexpr double filling = 0.5;
 
-/// A directly visible surface is bright in one area, and its blur covers a larger area. Returns whether the
-/// bright area fills most of the larger one, which is rounded up to whole squares of 16 x 16 px.
+/// Returns whether bright light fills most of the area over which a directly visible surface is blurred. This
+/// area consists of the image square (16 x 16 px) that contains the surface, and of the squares around it.
+/// They reach as far as the blur radius, rounded up to whole squares. The bright areas of the same object in
+/// all these squares are added up.
 bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const SurfaceSeen& surface) {
     const auto [path, parent_id, id, x, y] = surface;
     constexpr double most_px = 1e5;  // wider than any image
@@ -56,8 +60,9 @@ bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const Surface
     return area_px2 >= filling * std::pow((2 * reach + 1) * SheetMesh::square_px, 2);
 }
 
-/// Returns whether the sample file contains all parts of the highlight that any lens point sees. It may lack
-/// parts of hidden surfaces.
+/// Returns whether the sample file contains all parts of a highlight that any lens point sees. Parts that the
+/// pinhole does not see, because a nearer surface hides them, may be missing in the file. So a highlight on a
+/// hidden surface never counts as complete.
 bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& lens) {
     if (key.hidden) return false;
     if (key.path.bits() == 0) return light.hides != Hides::unknown;
@@ -65,7 +70,7 @@ bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& l
 }
 
 /// Returns whether a bright surface is so steep that some lens points see it edge-on or from behind. The
-/// sample file then lacks a part of its light, because samples show the view from the lens centre.
+/// sample file contains only what the lens centre sees, so it then lacks a part of the surface's light.
 ///
 /// Traces rays to random points of `lights`, the highlights of the object `id`, and measures the slope of the
 /// surface there. At least half of the points must be too steep, because even a round surface has some steep

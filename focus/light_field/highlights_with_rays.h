@@ -1,5 +1,5 @@
-// Chooses the highlights that blur kernels spread. If traced rays also add light to the image, they must
-// leave out these highlights, so that no light counts twice.
+// Chooses the highlights that blur kernels spread in an image that is also corrected by traced rays. The rays
+// must leave out the light of these highlights. Otherwise, it would count twice.
 #pragma once
 
 #include "reproject/patches/patches.h"

@@ -22,15 +22,17 @@ namespace {
 /// If the edge of a highlight crosses a pixel, edge_rays x edge_rays rays measure which area of the pixel the
 /// highlight covers. The standard deviation of this area is about 0.007 px^2.
 constexpr std::size_t edge_rays = 16;
-/// If a highlight is smaller than small_light_px2, in px^2, more rays measure it: up to finest_rays x
+/// Highlights with an area below small_light_px2, in px^2, are measured with more rays: up to finest_rays x
 /// finest_rays per pixel. With this number, the error of the measured area is at most 1 %.
 constexpr float small_light_px2 = 1;
 constexpr std::size_t finest_rays = 64;
-/// Rays search a pixel, or a part of it, for a highlight. They divide this area into edge_squares x
-/// edge_squares squares, and all hits in one square become one small highlight.
+/// Traced rays search a pixel, or a rectangle in it, for the light of a highlight. This area is divided into
+/// edge_squares x edge_squares squares. All rays that hit the light in one square are combined into one small
+/// highlight.
 constexpr int edge_squares = 8;
-/// Rays do not measure the edges of highlights if the edges cross too many pixels: more than this fraction of
-/// all pixels, and more than least_measured pixels.
+/// Limits the time for measuring the edges of highlights with traced rays. If the edges cross too many
+/// pixels, they are not measured at all. Too many means more than the fraction most_measured_share of all
+/// pixels, and also more than least_measured pixels.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
 /// Highlights that cover more than this area of a pixel, in px^2, count as filling it.
@@ -42,8 +44,8 @@ Pixel pixel_of(const Highlight& light) {
     return {static_cast<int>(std::floor(light.y)), static_cast<int>(std::floor(light.x))};
 }
 
-/// A rectangle within a pixel in which rays measure the area of a highlight. `begin` and `end` are two
-/// opposite corners of the rectangle, in px within the pixel.
+/// A rectangle within a pixel in which traced rays measure the area of a highlight. `begin` and `end` are its
+/// upper left and its lower right corner, in px from the pixel's upper left corner.
 struct EdgeArea {
     Pixel pixel;
     Pixel recorded = pixel;  ///< a pixel with a record of the light in it or in one of its eight neighbours
@@ -55,8 +57,8 @@ struct EdgeArea {
 struct Measured {
     EdgeArea area;
     std::vector<Highlight> lights;
-    /// Whether the highlight touches borders of the rectangle `area`. `low`: left (x) or upper (y) border;
-    /// `high`: right (x) or lower (y) border.
+    /// Whether the highlight touches the borders of the searched rectangle `area`. `low` states this for the
+    /// left border (x) and the upper border (y), `high` for the right border (x) and the lower border (y).
     glm::bvec2 low{false}, high{false};
 };
 
@@ -66,14 +68,16 @@ struct BrightSurface {
     std::span<const Highlight> lights;  ///< sorted by pixel
 
     [[nodiscard]] std::span<const Highlight> at(const Pixel& pixel) const;
-    /// Returns the pixels at the edge of this bright surface where traced rays measure the bright area better
-    /// than the samples in the file do.
+    /// Returns the pixels at the edge of this bright surface in which traced rays measure the bright area
+    /// more precisely than the samples in the file do. `less` states which bright light is added to the image
+    /// as highlights. Pixels with other light are left out.
     [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
-    /// Returns the rectangle within a pixel in which a highlight may lie. It is estimated from the highlights
-    /// that the sample file contains in this pixel and its eight neighbours.
+    /// Returns the rectangle within a pixel in which a highlight may lie. The rectangle surrounds the
+    /// highlights that the sample file contains in this pixel and its eight neighbours, with a margin.
     [[nodiscard]] EdgeArea near_records(const Pixel& pixel) const;
-    /// Traces `across` x `across` rays through `area`, a part of a pixel. Divides `area` into squares, and
-    /// returns one small highlight for each square in which rays hit bright light of this surface.
+    /// Finds the bright light of this surface within `area`, a rectangle in a pixel. Traces `across` x
+    /// `across` rays through the rectangle, and divides it into small squares. The result contains one small
+    /// highlight for each square in which a ray hits bright light of this surface.
     [[nodiscard]] Measured measured(const EdgeArea& area, std::size_t across, const SightRays& rays,
                                     const LightElsewhere& less) const;
     [[nodiscard]] const Highlight& nearest(const Pixel& pixel, float x, float y) const;
@@ -178,9 +182,9 @@ const Highlight& BrightSurface::nearest(const Pixel& pixel, float x, float y) co
     return *out;
 }
 
-/// Measures the depth and slope of a surface at the positions of its highlights `lights`. For this, traces
-/// lines[i], the ray through the pinhole to lights[i]. Does nothing if the highlights are seen in mirrors or
-/// through glass.
+/// Measures the depth and slope of a surface at the positions of its highlights `lights`, and stores both in
+/// `lights`. For this, it traces lines[i], the ray through the pinhole to lights[i]. Does nothing if the
+/// highlights are seen in mirrors or through glass.
 void measure_slopes(std::span<Highlight> lights, std::span<const SightLine> lines, const NodeIdentity& node,
                     const SightRays& rays) {
     if (node.path.bits() != 0) return;
@@ -195,8 +199,8 @@ void measure_slopes(std::span<Highlight> lights, std::span<const SightLine> line
     }
 }
 
-/// Measures the depth and slope of a surface at each of its recorded highlights. One ray through the pinhole
-/// measures both, because the ray tracer also returns the gradient of the depth.
+/// Measures the depth and slope of a surface at each of its recorded highlights, and stores both in `lights`.
+/// One ray through the pinhole measures both, because the ray tracer also returns the gradient of the depth.
 void measure_slopes(std::span<Highlight> lights, const NodeIdentity& node, const SightRays& rays) {
     constexpr std::size_t lines_per_task = 4096;
     parallel_for((lights.size() + lines_per_task - 1) / lines_per_task, [&](std::size_t task) {
@@ -267,8 +271,9 @@ Measured BrightSurface::measured(const EdgeArea& area, std::size_t across, const
     return out;
 }
 
-/// If rays found a highlight that touches the border of the searched area, returns the areas to be searched
-/// next: an enlarged area in the same pixel, and neighbouring pixels.
+/// Returns the areas in which to search next. If the rays found a highlight that touches the border of the
+/// searched area, the highlight may continue beyond it. So the result contains an enlarged area in the same
+/// pixel, and the neighbouring pixels if the pixel's own border is touched.
 std::vector<EdgeArea> continued(const Measured& m) {
     std::vector<EdgeArea> out;
     EdgeArea larger = m.area;
@@ -331,8 +336,9 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
         return small * across * across + (pixels - small) * edge_rays * edge_rays;
     };
     while (finest > edge_rays && rays_of(finest) > most_rays) finest /= 2;
-    // Rays search pixels for highlights. If a highlight touches the border of its pixel, they also search the
-    // next pixel. A narrow highlight may continue there although the file has no sample of it.
+    // Traced rays search pixels for highlights, in several rounds. If a highlight touches the border of its
+    // pixel, the next round also searches the neighbouring pixel. A narrow highlight may continue there,
+    // although the file has no sample of it.
     for (bool any = true; any && rays_of(finest) <= most_rays;) {
         std::vector<std::pair<const Edge*, const EdgeArea*>> tasks;
         for (const Edge& edge : edges) {

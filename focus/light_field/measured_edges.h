@@ -8,7 +8,8 @@ namespace postlens {
 
 /// Measures the area of small highlights in `mesh` with traced rays, because the samples in the file are too
 /// coarse for small areas. The scene must be static.
-/// - `less`: states which surfaces' bright light is added to the image as highlights
+/// - `less`: states which surfaces have bright light that is added to the image as highlights; only these are
+///   measured
 void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere& less);
 
 }  // namespace postlens

@@ -15,11 +15,12 @@ constexpr double largest_cell_px = 0.5;
 /// Width, in px, of the smallest cells in which highlights are merged. Kernel positions are multiples of this
 /// width.
 constexpr double smallest_cell_px = 1.0 / KernelKey::phase_steps;
-/// Largest number of cells into which the sharp highlights of one sheet (16 x 16 px of a surface) are
-/// divided. If they have more area, their cells are larger.
+/// The sharp highlights of a sheet are divided at the borders of square cells. A sheet is the part of a
+/// surface within 16 x 16 px. Highlights in the same cell are merged into one light source. If the sheet's
+/// highlights would need more cells than most_cells, the cells are made larger.
 constexpr double most_cells = 512;
-/// Largest invisible error of radiance: half an 8-bit step of a dark sRGB value. There, sRGB values rise
-/// 12.92 times as fast as scene-linear radiance.
+/// Largest error of radiance that is invisible: half an 8-bit step of a dark sRGB value, converted to
+/// radiance. In the darkest part of the range, an sRGB value rises 12.92 times as fast as the radiance.
 constexpr double invisible = 0.5 / 255 / 12.92;
 
 /// Highlights in the same square cell of the raster are merged. Returns the largest cell width, in px,
@@ -87,8 +88,10 @@ void MergedHighlights::add(const Highlight& h, float sheet_area_px2) {
     if (is_point(h, geometry_)) {
         cell_px = 1;  // a pixel
     } else {
-        // Only the highlight and its sheet decide, so that each part of an image is the same as in the whole
-        // image.
+        // Chooses the width of the cells into which the highlight is divided. The width depends only on the
+        // highlight and on its sheet, the part of the surface that contains it. It does not depend on other
+        // highlights, because a cropped image may lack them. So each part of an image is the same as in the
+        // whole image.
         while (cell_px < largest_cell_px &&
                (cell_px < side / 2 || static_cast<double>(sheet_area_px2) > most_cells * cell_px * cell_px))
             cell_px *= 2;

@@ -28,9 +28,11 @@ struct Span {
 /// + i * cell to first + (i + 1) * cell.
 [[nodiscard]] std::vector<Span> divided_at_cells(double middle, double length, double cell, double first = 0);
 
-/// One of the rectangles of light that are merged into one light source.
-/// - `at`: centre, px; in MergedHighlights in the raster, in FieldHighlights relative to the light source
-/// - `area_until`: sum of the areas of the light source's rectangles up to this one, px^2
+/// A rectangle of bright light. A light source consists of one or more such rectangles. The running sum of
+/// their areas serves to choose a random point of the light source.
+/// - `at`: centre, in px; a raster position in MergedHighlights, but relative to the light source in
+///   FieldHighlights
+/// - `area_until`: total area of this rectangle and all rectangles before it in the light source, in px^2
 struct SourcePart {
     glm::vec2 at{0}, size{0};
     float area_until = 0;
@@ -40,16 +42,19 @@ struct SourcePart {
 /// in px.
 [[nodiscard]] glm::dmat2 px_from_lens(const Highlight& h, const FocusGeometry& geometry);
 
-/// Returns whether the blur of a highlight is so small that all light that falls into a pixel may be moved to
-/// the pixel's interior.
+/// Returns whether the blur of a highlight is smaller than 1/16 px, the step to which the positions of blur
+/// kernels are rounded. Such a highlight is treated as a point: all of its light in a pixel becomes one light
+/// source, and rounding must not move this light to a neighbouring pixel.
 [[nodiscard]] bool is_point(const Highlight& h, const FocusGeometry& geometry);
 
-/// An inclined surface looks larger from one side of the lens, and sends more light through this side.
-/// Returns how far this shifts the centre of the surface's blur, in px.
+/// Returns how far the inclination of a surface shifts the centre of its highlight's blur, in px. An inclined
+/// surface looks larger from one side of the lens, and sends more light through this side. So its blur is not
+/// centred.
 [[nodiscard]] glm::dvec2 inclination_shift_px(const Highlight& h, const FocusGeometry& geometry);
 
-/// Highlights of the same surface and the same small cell of the raster, merged into one light source. Cells
-/// are as large as the radiance allows without visible error.
+/// Merges highlights into light sources, so that fewer blur kernels are added to the image. Highlights are
+/// merged if they belong to the same surface and lie in the same small square cell of the raster. Cells are
+/// as large as the radiance allows without visible error.
 class MergedHighlights {
   public:
     struct Merged {
@@ -60,9 +65,11 @@ class MergedHighlights {
     /// `geometry` must outlive this object.
     explicit MergedHighlights(const FocusGeometry& geometry) : geometry_(geometry) {}
 
-    /// Adds a highlight of a static surface. A sharp highlight is divided at the borders of the cells in
-    /// which highlights are merged, so that merging keeps the shape of its light.
-    /// - `sheet_area_px2`: area of all highlights of the same sheet
+    /// Adds a highlight of a static surface. Highlights in the same square cell of the raster are merged into
+    /// one light source. Where the blur is sharp, merging would change the shape of the light if highlights
+    /// extended over several cells. Therefore, a sharp highlight is first divided at the borders of the
+    /// cells.
+    /// - `sheet_area_px2`: area of all highlights of the same sheet (part of a surface within 16 x 16 px)
     void add(const Highlight& h, float sheet_area_px2);
     /// Adds a highlight of a moving surface. Cells are `cell_px` wide.
     void add_moving(const Highlight& h, double cell_px);

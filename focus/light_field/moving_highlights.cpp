@@ -14,12 +14,14 @@ constexpr int looks = 64;
 /// A moving highlight is drawn at several instants. Between two of them, it should move by at most step_px
 /// (in px), or by step_of_blur times its CoC radius if that is larger.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// Moving highlights are drawn at one of `turns` sequences of instants. For a highlight at (x, y), in px, the
-/// fractional part of x turn_x + y turn_y chooses the sequence, so that neighbours use different instants.
+/// A moving highlight that is drawn at fewer instants than it needs uses one of `turns` sequences of
+/// instants, which are shifted relative to each other. The highlight's position (x, y), in px, chooses the
+/// sequence: it is the fractional part of x turn_x + y turn_y, times `turns`. So neighbouring highlights use
+/// different instants.
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
-/// Largest position and CoC radius, in px, at which a moving highlight is drawn. Instants at which it exceeds
-/// this are left out.
+/// Largest coordinate and largest CoC radius, in px, with which a moving highlight is drawn. At an instant at
+/// which the highlight exceeds either, it is left out.
 constexpr double farthest_px = 1e5;
 
 }  // namespace
@@ -45,9 +47,9 @@ std::shared_ptr<const HighlightMotion::Maps> HighlightMotion::maps(std::uint32_t
 bool HighlightMotion::moved(const Highlight& light, const RasterMap& map, Highlight& out) const {
     const RasterPoint from{static_cast<double>(light.x), static_cast<double>(light.y),
                            static_cast<double>(light.inverse_z)};
-    // Applies the motion to the highlight's position, and to the points one pixel to its right and one pixel
-    // below it. The area between the three moved points shows how much the highlight grows, for example
-    // because it comes nearer.
+    // Applies the motion to three points: the highlight's position, the point one pixel to its right and the
+    // point one pixel below it. After the motion, the three points span a parallelogram. Its area is the
+    // factor by which the highlight grows, for example because it comes nearer.
     const std::optional<RasterPoint> to = map(from), right = map({from.x + 1, from.y, from.inverse_z}),
                                      below = map({from.x, from.y + 1, from.inverse_z});
     if (!to || !right || !below) return false;

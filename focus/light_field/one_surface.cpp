@@ -6,21 +6,22 @@
 namespace postlens {
 namespace {
 
-/// A surface counts as too steep if its image is stretched or compressed by more than this fraction when the
-/// lens point moves from the centre of the lens to the rim.
+/// Limit for the slope of a surface. If the lens point moves from the centre of the lens to the rim, the
+/// image of an inclined surface is stretched or compressed. If this change exceeds the fraction most_stretch,
+/// the surface counts as too steep.
 constexpr double most_stretch = 0.25;
 constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 
-/// Calls visit(index) for each cell (8 x 8 px) of the image that the rectangle `r` covers, with a margin of
-/// one pixel.
+/// The image is divided into cells of 8 x 8 px. Calls visit(index) for each cell that the rectangle `r`
+/// covers, where `r` is enlarged by a margin of one pixel.
 template <typename Visit>
 void each_cell(const RasterRect& r, const RasterWindow& window, int columns, int rows, const Visit& visit) {
     const auto cell = [](double px, int begin, int count) {
         return static_cast<int>(
             std::clamp(std::floor((px - begin) / OneSurface::edge), -1.0, static_cast<double>(count)));
     };
-    // Light spreads up to one pixel beyond the rectangle `r`, because the pixel filter and the blur kernels
-    // extend that far.
+    // Enlarges the rectangle `r` by one pixel on each side. Its light spreads up to one pixel beyond it,
+    // because the pixel filter and the blur kernels extend that far.
     const int x0 = std::max(0, cell(r.x_min - 1, window.x_begin, columns)),
               x1 = std::min(columns - 1, cell(r.x_max + 1, window.x_begin, columns)),
               y0 = std::max(0, cell(r.y_min - 1, window.y_begin, rows)),
@@ -80,8 +81,9 @@ void OneSurfaceFinder::add(const PatchMesh& primary, const PatchMesh& deeper) {
                 if (owner_[c] != id) owner_[c] = several;
             });
             if (mesh == &deeper) continue;
-            // Counts the pixels that recorded surfaces cover in each cell of 8 x 8 px. If a cell contains
-            // only one surface, a count above 64 shows that the surface overlaps itself in the image.
+            // Counts the recorded pixels of directly visible surfaces in each cell of the image, a square of
+            // 8 x 8 px. If two parts of a surface cover the same pixel, it counts twice. So a cell that shows
+            // only one surface, but whose count exceeds 64, contains a surface that overlaps itself.
             const glm::dvec2 corner = mesh->corner(p);
             for (int y = 0; y < p.height; ++y) {
                 for (int x = 0; x < p.width; ++x) {

@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// States for each cell (square of `edge` x `edge` px) of an image whether all lens points see the same
-/// single surface there. A surface does not count if it covers a pixel twice, or is too steep.
+/// States for each cell of an image, a square of `edge` x `edge` px, whether all lens points see the same
+/// single surface there. This is not the case if the surface covers a pixel twice, or if it is too steep.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;
@@ -29,11 +29,15 @@ struct OneSurface {
 /// planar parts of all recorded surfaces, in one or several calls; then, call `found`.
 class OneSurfaceFinder {
   public:
-    /// `lens_px`: largest displacement of a surface's image, in x and in y, by a displacement of the lens
-    /// point. In px per 1/m of difference from the inverse focus distance.
+    /// If the lens point moves away from the centre, the image of a surface is displaced in proportion to the
+    /// difference between the surface's inverse depth and the inverse focus distance. `lens_px` is the
+    /// largest such displacement, in x and in y, in px per 1/m of this difference.
+    /// - `inverse_focus_per_m`: inverse focus distance, in 1/m
+    /// - `window`: the pixels of the image
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
-    /// Adds planar parts of surfaces that the lens may see: `primary` directly, `deeper` in mirrors or
-    /// through glass (may be empty).
+    /// Adds recorded surfaces that the lens may see, as planar parts. `primary` contains the surfaces that
+    /// are seen directly, and `deeper` those that are seen in mirrors or through glass. `deeper` may be
+    /// empty.
     void add(const PatchMesh& primary, const PatchMesh& deeper);
     [[nodiscard]] OneSurface found() const;
 

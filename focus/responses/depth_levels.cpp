@@ -8,8 +8,9 @@
 namespace postlens {
 namespace {
 
-/// Largest difference, in px, between the CoC diameters of neighbouring depth levels, if the levels are
-/// equally spaced in depth.
+/// Blur kernels are computed for certain depths, the depth levels. If these are equally spaced in depth, the
+/// CoC diameters of neighbouring levels may differ by at most this, in px. The number of levels is chosen
+/// accordingly.
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {
@@ -17,12 +18,15 @@ double clamped_radius_px(double diameter_px) {
                       DepthLevels::largest_radius_px);
 }
 
-/// Returns how many depth levels are needed if they are equally spaced in depth. When a depth is rounded to
-/// the nearest level, the CoC diameter may change by at most half of linear_step_px. The diameter changes
-/// most at the nearest depth, which therefore decides.
+/// Returns how many depth levels (depths for which blur kernels are computed) are needed if they are equally
+/// spaced in depth. A depth is rounded to the nearest level, which may change the CoC diameter by at most
+/// half of linear_step_px. The diameter changes most at the nearest depth. Therefore, only this depth is
+/// considered.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // At the nearest depth z, a depth error h (half the step between levels) changes the CoC diameter by
-    // coc_gain_px_m (1 / z - 1 / (z + h)). This must equal linear_step_px / 2.
+    // Computes the largest step between depth levels (depths for which blur kernels are computed). Rounding a
+    // depth to the nearest level changes it by at most half a step, h. At the nearest depth z, this changes
+    // the CoC diameter by coc_gain_px_m (1 / z - 1 / (z + h)), which may be linear_step_px / 2. `room` is the
+    // resulting 1 / (z + h).
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;
     const double half_step_m = 1 / room - nearest_m;
@@ -96,8 +100,9 @@ std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_dept
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
-    // Returns nothing for depths outside the range of the depth levels. Only surfaces seen by reflection or
-    // refraction can have these depths.
+    // The depth levels, for which blur kernels are computed, cover the depths of all surfaces that are seen
+    // directly. A surface that is seen by reflection or refraction may have a depth outside this range. The
+    // function then returns nothing.
     if (finite_levels_ == 1) {
         if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
         return 0;

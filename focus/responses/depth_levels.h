@@ -24,7 +24,8 @@ enum class DepthModel {
     first_hit,          ///< z' of the primary node, for all nodes of its sample
 };
 
-/// Smallest and largest finite depth z' in a file, in m. Both values are absent if no ray hit anything.
+/// Smallest and largest depth z' of the surfaces in a file, in m. z' is the path length from the eye along
+/// the optical axis. Infinite depths do not count. Both values are absent if no ray hit anything.
 struct DepthRange {
     std::optional<double> nearest_m, farthest_m;
 };
@@ -39,11 +40,11 @@ class DepthLevels {
   public:
     static constexpr int most_depths = 4096;
     static constexpr int most_linear_levels = 256;
-    /// CoC radius, in px, of a point in focus. It is not 0, so that the disc has an area, but the disc lies
-    /// within one pixel.
+    /// CoC radius, in px, of a point in focus. In theory it is 0, but a disc of radius 0 has no area. The
+    /// disc of this radius has an area, and still lies within one pixel.
     static constexpr double smallest_radius_px = 1e-4;
-    /// Largest CoC radius, in px; larger ones are reduced to it. The error is invisible, because a disc of
-    /// this radius adds less than 1e-10 of a sample's light to any pixel.
+    /// Largest CoC radius, in px. A larger radius is reduced to this one. The error is invisible, because a
+    /// disc of this radius adds less than 1e-10 of a sample's light to any pixel.
     static constexpr double largest_radius_px = LevelTable::largest_diameter_px / 2;
 
     /// Throws Error(wrong_arguments) if `depths` is not in the range from 2 to most_depths.
@@ -66,8 +67,8 @@ class DepthLevels {
     }
     /// CoC radius of each depth level, in px.
     [[nodiscard]] const std::vector<double>& radius_px() const { return radius_px_; }
-    /// Returns how many depths, except infinity, have blur kernels. Returns nothing if these depths are not
-    /// equally spaced in depth or inverse depth.
+    /// Returns for how many depths, except infinity, blur kernels are computed. Returns nothing if these
+    /// depths are neither equally spaced in depth nor in inverse depth.
     [[nodiscard]] std::optional<int> depths() const { return depths_; }
 
   private:

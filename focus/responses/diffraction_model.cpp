@@ -11,15 +11,17 @@ namespace {
 
 /// Fraction of the energy that a kernel may leave out.
 constexpr double tail = 0.01;
-/// Largest width, in px, of the part of a kernel outside the circle of confusion. A wider part is cut off,
-/// even if the kernel then loses more than the fraction `tail` of its energy.
+/// By diffraction, some light lands outside the circle of confusion. The kernel ends where only the fraction
+/// `tail` of its energy is left, but at most this far outside the circle, in px. The kernel may then lose
+/// more than the fraction `tail`.
 constexpr double widest_skirt_px = 256;
 /// From this CoC radius on, in px, a uniform disc replaces the diffraction pattern, because its fringes are
 /// then finer than a pixel.
 constexpr double disc_from_px = 2048;
 
-/// Returns the CoC radius, in px. In a curved mirror or glass, the CoC may be an ellipse, which is replaced
-/// by a disc of its mean radius.
+/// Returns the radius of the circle of confusion, in px. `map_px` is the matrix that converts lens points to
+/// px. In a curved mirror or glass, it may describe an ellipse, which is replaced by a disc: the result is
+/// half the absolute value of the matrix's trace.
 double radius_of(const glm::dmat2& map_px) {
     return std::abs(map_px[0].x + map_px[1].y) / 2;
 }

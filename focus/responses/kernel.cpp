@@ -14,11 +14,12 @@
 namespace postlens {
 namespace {
 
-/// The interior pixels of a kernel row all have the same value. If there are at least this many of them, the
-/// value is stored once. Fewer values are stored pixel by pixel, which is as fast.
+/// The interior pixels of a kernel row all have the same value. If there are at least this many, the value is
+/// stored once for all of them. If there are fewer, the value is stored for each pixel, which is as fast.
 constexpr int shortest_inner_px = 6;
 
-/// Used instead of the radius 0, so that the disc has an area. The resulting kernel is that of a point.
+/// Size, in px, that replaces the radius 0, because a disc of radius 0 has no area. The disc is so small that
+/// its kernel is that of a point.
 constexpr double smallest_ellipse_px = 1e-4;
 
 std::int32_t steps(double px, double step_px) {

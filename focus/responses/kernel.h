@@ -20,23 +20,24 @@
 
 namespace postlens {
 
-/// One row of a blur kernel. It covers the columns [x_begin, x_end), relative to the kernel's integer
-/// position. The columns [inner_begin, inner_end) share the value Kernel::inner; each other column has its
-/// own value, called a tap.
+/// One row of a blur kernel. It covers the columns [x_begin, x_end), relative to the pixel at which the
+/// kernel is added to the image. The columns [inner_begin, inner_end) share the value Kernel::inner. Each
+/// other column has its own value, called a tap.
 struct KernelRow {
     std::int32_t x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     std::uint32_t tap = 0;  ///< index of the row's first tap
     float sum = 0;          ///< sum of the row's values
 };
 
-/// Blur kernels are clipped to the columns [-x, x) and rows [-y, y) around a sample. x and y are large enough
-/// for every sample: the clipped part would lie outside the image.
+/// Limits of a blur kernel: it is clipped to the columns [-x, x) and rows [-y, y) around a sample. x and y
+/// are so large that the clipped part would lie outside the image for every sample.
 struct KernelReach {
     int x = 0, y = 0;
 };
 
-/// A blur kernel: the impulse response of the lens on the pixel grid. Its values add up to 1 unless
-/// `KernelReach` clips it. It is added to the image at an integer position, the anchor.
+/// A blur kernel: the impulse response of the lens on the pixel grid, that is, how the light of one point is
+/// distributed over pixels. It is added to the image at a whole pixel, the anchor. Its values add up to 1,
+/// unless `KernelReach` clips it.
 struct Kernel {
     int y_begin = 0;  ///< row of rows.front(), relative to the anchor
     float inner = 0;
@@ -57,8 +58,9 @@ struct Kernel {
 /// Builds the blur kernel of a uniform ellipse, clipped to `reach`. The ellipse's centre lies (phase_x,
 /// phase_y) px from the kernel's integer position.
 [[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
-/// Builds the kernel of a uniform shape (`outline`) or of a grid of values, clipped to `reach`. Coordinates
-/// are relative to the pixel at which the kernel is added to the image.
+/// Builds the blur kernel of a uniform shape (`outline`) or of a grid of values (`grid`), clipped to `reach`.
+/// The coordinates of the shape or grid, in px, are relative to the pixel at which the kernel is added to the
+/// image.
 [[nodiscard]] Kernel make_kernel(const OutlineRows& outline, KernelReach reach);
 [[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
@@ -71,8 +73,9 @@ struct KernelKey {
     static constexpr int phase_steps = 16;
     /// Sizes of blur ellipses are rounded to multiples of this, in px, so that samples share kernels.
     static constexpr double ellipse_step_px = 0.25;
-    /// Sizes of a blur ellipse are rounded to multiples of ellipse_step_px / 4^k. k is 0, but may be 1 or 2
-    /// for highlights with a blur radius below element k of this array, in px.
+    /// Blur radii, in px, below which the size of a blur ellipse is rounded more finely. The size is rounded
+    /// to a multiple of ellipse_step_px / 4^k. Normally, k is 0. For highlights, k is the largest index of
+    /// this array whose element exceeds the blur radius.
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Largest size of a blur ellipse, in px. Larger ones are scaled down.
     static constexpr double largest_ellipse_px = 16000;
@@ -83,8 +86,9 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, in units of 1/phase_steps px
 
-    /// True for an aperture that is not round. Its blur is described by a 2x2 matrix from lens points to px.
-    /// half_height, half_chord, top_displacement and map_yy contain the entries of this matrix.
+    /// True if the aperture is not round. Its blur is then described by a 2x2 matrix that converts lens
+    /// points to px. The fields half_height, half_chord, top_displacement and map_yy then hold the four
+    /// entries of this matrix, so that the key needs fewer fields.
     bool is_map = false;
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
@@ -92,21 +96,23 @@ struct KernelKey {
     std::int32_t cell_log2 = 0;  ///< the cell is 2^cell_log2 px wide; if 0, one cell is the whole image
 
     [[nodiscard]] static KernelKey disc(std::uint32_t level) { return {.level = level}; }
-    /// Returns the cache key of an elliptic blur kernel. `fine` selects the finest rounding that is allowed
-    /// for its size.
+    /// Returns the key that identifies the blur kernel of an ellipse. The size of the ellipse is rounded, so
+    /// that similar ellipses share a kernel. If `fine` is true, it is rounded as finely as fineness_below_px
+    /// allows for its size. Otherwise, it is rounded to multiples of ellipse_step_px.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
     /// The blur of an aperture that is not round is described by a 2x2 matrix. Its entries are rounded so
-    /// that the largest keeps this many bits. More samples then share a kernel.
+    /// that the largest keeps this many bits. Thus, more samples share a kernel.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
-    /// Rounds the sizes of the blur ellipse, or the entries of the blur matrix, more coarsely by a factor of
-    /// 2^times. More keys then share one blur kernel.
+    /// Rounds this key more coarsely by a factor of 2^times, so that more samples share one blur kernel. This
+    /// concerns the sizes and subpixel position of the blur ellipse, or the entries of the blur matrix if the
+    /// aperture is not round.
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// A blur is described by the sizes of an ellipse or the entries of a matrix, integers in units of
-    /// step_px(). Returns how many bits the largest of them has.
+    /// A blur is described by the sizes of an ellipse or by the entries of a matrix. These are integers in
+    /// units of step_px(). Returns how many bits the largest of them has, without its sign.
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
@@ -136,19 +142,22 @@ struct Reach {
 /// the numbers, but not the kernels.
 class KernelTable {
   public:
-    /// - `disc_radius_px`: CoC radius of each depth level (depth for which blur is computed); blur kernel
-    ///   number i is the disc of level i
+    /// Creates a table without kernels.
+    /// - `disc_radius_px`: CoC radius of each depth level, in px; a depth level is a depth for which a blur
+    ///   kernel can be requested, and kernel number i is the disc of level i
+    /// - `reach`: rows and columns to which kernels are clipped
     /// - `model`: computes the kernels; must outlive this object
     KernelTable(std::vector<double> disc_radius_px, KernelReach reach, const ResponseModel& model);
 
-    /// Returns the number of the blur kernel with this key. After `build`, only keys that were requested
-    /// before are allowed.
+    /// Returns the number that identifies the blur kernel with this key. Before `build`, this requests the
+    /// kernel. After `build`, only keys that were requested before are allowed.
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
-    /// Requests the blur kernel of a depth level, so that `build` computes it. The kernel is a disc whose
-    /// centre is an integer raster position.
+    /// Requests the blur kernel of a depth level, so that `build` computes it. The kernel is a disc, and its
+    /// centre is a whole raster position.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
-    /// Builds all requested blur kernels, in parallel. Call it once. Above `memory_limit_bytes`, their sizes
-    /// are rounded more coarsely, so that samples share kernels. Throws Error(out_of_memory).
+    /// Builds all requested blur kernels, in parallel. Call it once. If the kernels would need more memory
+    /// than `memory_limit_bytes`, their sizes are rounded more coarsely, so that more samples share a kernel.
+    /// Throws Error(out_of_memory).
     void build(std::size_t memory_limit_bytes = default_memory_bytes);
     static constexpr std::size_t default_memory_bytes = std::size_t{384} << 20;
     /// Frees the table in which number_of finds the number of a blur kernel. Call it after `build`. number_of
@@ -166,14 +175,14 @@ class KernelTable {
     /// Returns the range of pixels that a blur kernel covers, over all colour channels. Call it after
     /// `build`.
     [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
-    /// Returns how many numbers of blur kernels there are. Each depth level has a number, even if no sample
-    /// uses its kernel, which then does not exist.
+    /// Each blur kernel is identified by a number, from 0 on. Returns how many numbers are in use. Each depth
+    /// level also has a number. If no sample uses its kernel, this kernel does not exist.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns how many depth levels have a blur kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }
     /// Returns the ellipse of the blur kernel that `key` identifies. Only for a round aperture.
     [[nodiscard]] Ellipse outline(const KernelKey& key) const;
-    /// Returns the 2x2 matrix from lens points (in lens radii) to px for the blur kernel that `key`
+    /// Returns the 2x2 matrix that converts lens points, in lens radii, to px, for the blur kernel that `key`
     /// identifies. Only for apertures that are not round.
     [[nodiscard]] glm::dmat2 map_px(const KernelKey& key) const;
 
@@ -209,8 +218,8 @@ class KernelTable {
     int discs_used_ = 0;
 };
 
-/// Each thread has its own cache of the numbers of blur kernels. So threads rarely search the KernelTable
-/// that they share.
+/// Finds the numbers of blur kernels. All threads share one KernelTable, and searching it is slow. Therefore,
+/// each thread has its own KernelNumberCache, which remembers numbers that were found before.
 class KernelNumberCache {
   public:
     explicit KernelNumberCache(KernelTable& table) : table_(&table), entries_(std::size_t{1} << entry_bits) {}

@@ -23,8 +23,8 @@ std::int32_t nearest_multiple(std::int32_t n, std::int32_t unit) {
 }  // namespace
 
 void KernelKey::round_to(std::int32_t unit) {
-    // KernelKey::packed has 17 bits for each of these numbers, including the sign. Larger numbers would
-    // overflow, and different kernels could get the same key.
+    // Largest value of each of these numbers. KernelKey::packed stores each in 17 bits, including the sign. A
+    // larger number would overflow, and different kernels could then get the same key.
     constexpr std::int32_t most = (1 << 16) - 1;
     for (std::int32_t* n : {&half_height, &half_chord, &top_displacement, &map_yy})
         *n = std::clamp(nearest_multiple(*n, unit), -most, most);
@@ -60,8 +60,8 @@ void KernelKey::coarsen(int times) {
 }
 
 // If blur kernels need too much memory, rounds the sizes and positions of blur ellipses more coarsely, so
-// that more samples share a kernel. The rounding step is smaller for small ellipses, because a large step
-// would round them to 0.
+// that more samples share a kernel. Small ellipses are rounded in smaller steps, because a large step would
+// round their sizes to 0.
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     constexpr std::size_t steps = KernelKey::most_coarsenings + 1;
     struct Octave {
@@ -81,8 +81,9 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // When the keys of kernels are rounded more coarsely, several may become equal, and only the first is
-        // kept. Sorting makes it independent of thread timing which key is the first.
+        // When the keys of kernels are rounded more coarsely, several keys may become equal. Only the first
+        // of them is kept. Therefore, the keys are sorted first, so that the timing of threads does not
+        // affect which key is kept.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)

@@ -9,11 +9,13 @@ namespace postlens {
 namespace {
 
 constexpr double even_px = LevelTable::even_diameter_px;
-/// For CoC diameters from small_px to even_px, blur kernels are computed in steps of this many px. Rounding
-/// to the nearest step changes a diameter by less than a quarter pixel.
+/// Step between the CoC diameters for which blur kernels are computed, in px. It is used for medium
+/// diameters, from small_px to even_px. Other diameters are rounded to the nearest step, which changes them
+/// by less than a quarter pixel.
 constexpr double step_diameter_px = 0.49;
-/// For CoC diameters up to small_px, blur kernels are computed in steps of 2 % of the diameter, at least 1/8
-/// px. A larger step would change the brightness of small highlights.
+/// Steps between the CoC diameters for which blur kernels are computed, for diameters up to small_px. The
+/// step is the fraction small_step_share of the diameter, but at least small_step_px, in px. Larger steps
+/// would visibly change the brightness of small highlights.
 constexpr double small_step_px = 0.125, small_step_share = 0.02;
 constexpr double smallest_px = small_step_px / small_step_share,
                  small_px = step_diameter_px / small_step_share;
@@ -26,8 +28,8 @@ const double smallest_levels = smallest_px / small_step_px,
              small_levels = smallest_levels + std::log(small_px / smallest_px) / small_step_share,
              even_levels = small_levels + (even_px - small_px) / step_diameter_px;
 
-/// Returns the depth level of a CoC diameter as a real number, not yet rounded to an integer. diameter_after
-/// is the inverse function.
+/// Converts a CoC diameter, in px, to its depth level (number of a blur kernel). The result is a real number,
+/// which is not yet rounded to an integer. The inverse function is diameter_after.
 double steps_to(double diameter_px) {
     if (diameter_px < sharp_below_px) return 0;
     if (diameter_px <= smallest_px) return diameter_px / small_step_px;
@@ -44,8 +46,8 @@ double diameter_after(double steps) {
     return even_px * std::exp((steps - even_levels) / levels_per_e);
 }
 
-/// Number of depths that are converted to depth levels at once: first all table indices are computed with
-/// SIMD, then the table is read.
+/// Number of depths that are converted to depth levels at once. First, the table indices of all these depths
+/// are computed with SIMD. Then, the table is read for each of them.
 constexpr std::size_t together = 128;
 
 POSTLENS_MULTIVERSION

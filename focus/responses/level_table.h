@@ -22,11 +22,12 @@ class LevelTable {
 
     /// Returns the CoC diameter of a depth level, in px.
     [[nodiscard]] static double diameter_px(std::uint32_t level);
-    /// Computes the depth level nearest to a CoC diameter without the lookup table. `diameter_px` must be
-    /// finite; its sign is ignored.
+    /// Computes the depth level (number of a blur kernel) nearest to a CoC diameter, without the lookup
+    /// table. `diameter_px` must be finite; its sign is ignored.
     [[nodiscard]] static std::uint32_t nearest_level(double diameter_px);
-    /// Returns the depth level nearest to a CoC diameter, from the lookup table if the diameter is less than
-    /// end_px.
+    /// Blur kernels are computed for certain CoC diameters, and each has a number, its depth level. Returns
+    /// the level whose diameter is nearest to `diameter_px`. The sign of `diameter_px` is ignored. Below
+    /// end_px, the level is read from a table, because this is faster.
     [[nodiscard]] std::uint32_t level_of(double diameter_px) const {
         const double wide_px = std::abs(diameter_px);
         if (!(wide_px < end_px)) return nearest_level(wide_px);
@@ -41,8 +42,9 @@ class LevelTable {
         return static_cast<std::uint32_t>(before_[cell] + (wide_px < begin_px_[cell] ? 0 : step_[cell]));
     }
 
-    /// Size of the table in which the depth level of a CoC diameter is looked up. The level changes at most
-    /// once within each cell.
+    /// A table contains the depth level (number of a blur kernel) that is nearest to a CoC diameter. It
+    /// covers diameters up to end_px, in px, and has cells_per_px cells per px. Within each cell, the level
+    /// changes at most once.
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;
     std::array<double, cells> begin_px_{};
     std::array<std::int32_t, cells> before_{}, step_{};

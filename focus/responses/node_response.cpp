@@ -6,8 +6,9 @@
 namespace postlens {
 namespace {
 
-/// From this blur radius on, in px, phases_of rounds the centre of a kernel to quarter pixels. It also gets
-/// this radius in place of the radius of smaller kernels that take long to compute.
+/// From this blur radius on, in px, the centre of a blur kernel is rounded to quarter pixels instead of finer
+/// steps (see phases_of). Smaller kernels are rounded in the same way if they take long to compute. For this,
+/// phases_of is called with this radius instead of their own.
 constexpr double few_phases_from_px = 17;
 /// Ellipses that differ from a circle by less than this, in px, are treated as circles.
 constexpr double round_within_px = 0.05;
@@ -42,8 +43,9 @@ void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // Finds the depth at which a point has the blur `map_px`. The transmittance of the lens is later computed
-    // for this depth, so that it matches the blur kernel.
+    // Computes the inverse depth of a point whose mean blur equals that of the matrix `map_px`. With
+    // vignetting, the transmittance of the lens depends on the depth. It is later computed for this depth, so
+    // that it matches the blur kernel.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);
@@ -59,9 +61,10 @@ NodeResponse NodeResponses::to_w(const Mat2& w, const glm::dvec2& place_px) cons
         !response_->takes_maps()) {
         return to_depth((xx + yy) / 2, place_px);
     }
-    // Maps a lens point, in lens radii, to the displacement of the node's image, in px: scale (s - w). s is
-    // the inverse focus distance, w the node's matrix W with the entries xx, xy, yx and yy. glm matrices are
-    // column-major.
+    // Computes the matrix that converts a lens point, in lens radii, to the displacement of the surface
+    // point's image, in px. It is scale (s - W), where s is the inverse focus distance times the unit matrix.
+    // W, with the entries xx, xy, yx and yy, states how the image moves with the lens point. glm matrices are
+    // column-major, so yx comes before xy.
     const double s = geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     NodeResponse out;

@@ -39,20 +39,21 @@ struct RasterWindow {
             static_cast<double>(y) - (window.y_begin + window.y_end) / 2.0};
 }
 
-/// Blur kernel of a surface point: its size, and its key in the table of kernels, without the subpixel
-/// position.
+/// Describes the blur kernel of a surface point: its size, and the key that identifies it in the table of
+/// kernels. The key's subpixel position is not set yet. It is added later, because a sample may be added at
+/// several positions.
 struct NodeResponse {
     KernelKey key;
     double radius_px = 0;        ///< half the longer side of the kernel's bounding box
     double exact_radius_px = 0;  ///< CoC radius, not quantised
     double farthest_px = 0;      ///< largest distance that light reaches; only set by to_depth
-    /// Inverse depth, in 1/m, for which the transmittance of the lens is computed. Only set if blur kernels
-    /// vary over the image; otherwise, the transmittance is 1.
+    /// Inverse depth, in 1/m, for which the transmittance of the lens is computed. It is only set if blur
+    /// kernels vary over the image. Otherwise, the transmittance is 1, and the depth is not needed.
     double inverse_depth_per_m = 0;
 };
 
-/// Finds the blur kernels of surface points for one lens setting. Positions are relative to the centre of the
-/// image.
+/// Finds the blur kernels of surface points for one setting of the lens. Positions in the image, `place_px`,
+/// are relative to its centre, in px.
 class NodeResponses {
   public:
     NodeResponses(const FocusGeometry& geometry, DepthLevels levels, DepthModel model,
@@ -60,8 +61,9 @@ class NodeResponses {
         : geometry_(geometry), levels_(std::move(levels)), model_(model), response_(std::move(response)) {}
 
     [[nodiscard]] NodeResponse to_depth(double inverse_depth_per_m, const glm::dvec2& place_px) const;
-    /// Returns the blur kernel for `node`, a surface point that is seen by reflection or refraction. The
-    /// depth model selects the blur of `primary`, of the path length, or of the node's matrix W.
+    /// Returns the blur kernel for `node`, a surface point that is seen by reflection or refraction. Its size
+    /// depends on the depth model (DepthModel). It follows from the depth of the directly visible surface
+    /// (`primary`), from the path length to the node, or from the node's matrix W.
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
     /// Returns the fraction of a sample's light that the lens transmits: 1 without vignetting.
@@ -72,8 +74,9 @@ class NodeResponses {
         return response_->transmission(from_middle_px(window, middle(x), middle(y)),
                                        geometry().inverse_focus_per_m);
     }
-    /// Returns the positions at which a sample's blur kernel is added, rounded to subpixels, with a weight
-    /// for each. A sample at a border between quadtree cells may have one position in each of these cells.
+    /// Returns the subpixel positions at which a sample's blur kernel is added to the image, with a weight
+    /// for each. There may be several positions. For example, a sample on the border between quadtree cells
+    /// represents a part of each of these cells, and may have one position in each of them.
     [[nodiscard]] Phases phases(const PointSample& sample, const NodeResponse& response) const;
 
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }

@@ -78,9 +78,10 @@ Phases phases_of(const PointSample& s, double radius_px) {
     }
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
-        // This part of the sample's light comes from a quarter of one quadtree cell. It is added at the
-        // centre of this quarter. Along each axis, the centre lies a fourth of the cell's width from the
-        // sample.
+        // The sample lies on the border between quadtree cells, and represents the adjacent quarter of each
+        // cell. Its light from quarter q, with the weight w[q], is added at the quarter's centre. If the
+        // sample lies on a pixel border in x (fx is 0), the centre is a fourth of the cell's width away in x;
+        // likewise in y. `move` is this distance, in steps of 1/16 px.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

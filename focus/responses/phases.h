@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// A subpixel position at which a sample's blur kernel is added to the image, with its weight. x and y are in
-/// units of 1/KernelKey::phase_steps px, from the pixel's upper left corner.
+/// A subpixel position at which a sample's blur kernel is added to the image, and the weight with which it is
+/// added. x and y are distances from the pixel's upper left corner, in units of 1/KernelKey::phase_steps px.
 struct Phase {
     std::int32_t x, y;
     float weight;

@@ -29,7 +29,8 @@ class ApertureModel final : public ResponseModel {
         if (!varies_over_field()) return 0;
         const double radius_px = reach_px(map_px);
         // Vignetting cuts an edge into the blur of a point. If the point's image moves by 1 px, this edge
-        // moves within the blur by this distance, in px.
+        // moves by `moves` px within the blur. So the squares in which samples share one kernel must be
+        // narrow enough that the edge moves by at most within_px.
         const double moves = aperture_.cats_eye() * radius_px / half_diagonal_px_;
         constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
         return std::clamp(within_px / std::max(moves, 1e-9), narrowest_px, widest_px);
@@ -51,8 +52,9 @@ class ApertureModel final : public ResponseModel {
         const double size_px = largest_reach_px(aperture_, at);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
-        // The kernel for a whole square of the image is computed at the square's centre. If vignetting blocks
-        // all light there, the kernel ignores vignetting (`whole`).
+        // All samples in a square of the image share the kernel that is computed at the square's centre.
+        // Vignetting may block all light at the centre, but not at the samples. In this case, the kernel is
+        // computed for the image's centre (`field` is 0), that is, as if there were no vignetting.
         ApertureImage whole = at;
         whole.field = {0, 0};
         if (postlens::is_even(aperture_, at)) {
@@ -72,8 +74,10 @@ class ApertureModel final : public ResponseModel {
             .map_px = r.map_px,
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
-            // The mean blur radius in r.map_px is map_px_m_ (1 / s - 1 / z), where s is the focus distance.
-            // The inverse depth 1 / z follows from it.
+            // Computes the depth of the scene point from its blur, because the vignetting rim's size depends
+            // on it. The matrix r.map_px converts lens points to px. Its mean diagonal entry is the signed
+            // blur radius map_px_m_ (1 / s - 1 / z), where s is the focus distance and z the depth. The
+            // inverse depth 1 / z follows from it.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }

@@ -14,8 +14,9 @@
 
 namespace postlens {
 
-/// A blur kernel to be computed. `map_px` converts a lens point, in lens radii, to the position, in px from
-/// the kernel's centre, at which light through this point arrives without aberrations.
+/// Describes a blur kernel to be computed. `map_px` is a matrix that converts a lens point, in lens radii, to
+/// a position in px relative to the kernel's centre. Without aberrations, light through this lens point
+/// arrives there.
 struct ResponseRequest {
     glm::dmat2 map_px{1};
     glm::dvec2 place_px{0};  ///< position of the scene point relative to the image's centre
@@ -35,15 +36,16 @@ class ResponseModel {
     virtual ~ResponseModel() = default;
 
     [[nodiscard]] virtual bool is_round() const { return true; }
-    /// Returns whether blur kernels are uniform inside their outline. The time to add such a kernel is
-    /// proportional to the length of its outline.
+    /// Returns whether blur kernels are uniform inside their outline. Such a kernel is added to the image
+    /// faster: the time is proportional to the length of its outline, not to its area.
     [[nodiscard]] virtual bool is_even() const { return true; }
     /// Returns whether turning the aperture by 180 degrees does not change the blur.
     [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
     /// Returns whether the blur depends on the position in the image.
     [[nodiscard]] virtual bool varies_over_field() const { return false; }
-    /// In a square of the image, all samples at one depth share one blur kernel. Returns the width of this
-    /// square, in px; 0 for the whole image. `map_px` converts lens points to px.
+    /// If the blur varies over the image, the image is divided into squares, and in each of them all samples
+    /// at one depth share one blur kernel. Returns the width of these squares, in px, or 0 if one kernel
+    /// serves the whole image. `map_px` converts lens points to px.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Returns the transmittance of the lens for a scene point at `place_px` from the image's centre, from 0
     /// to 1.
@@ -58,22 +60,23 @@ class ResponseModel {
     /// Returns the largest distance, in px, over which the light of a scene point is spread. `radius_px` is
     /// the signed radius of its circle of confusion.
     [[nodiscard]] virtual double farthest_light_px(double radius_px) const { return std::abs(radius_px); }
-    /// Computes the blur kernel that `request` describes. Its values add up to 1 unless request.reach clips
-    /// it. They are all 0 if the lens transmits no light.
+    /// Computes the blur kernel that `request` describes. Its values add up to 1, unless request.reach clips
+    /// the kernel. They are all 0 if the lens transmits no light.
     [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
 
-    /// A blur kernel is computed for several subpixel positions of its centre. From this blur radius on, in
-    /// px, the positions are fewer than usual. This saves time if kernels are expensive to compute.
+    /// Blur radius, in px, from which on a kernel is computed for fewer subpixel positions of its centre than
+    /// usual. This saves time if kernels are expensive to compute.
     [[nodiscard]] virtual double few_phases_from_px() const { return HUGE_VAL; }
 
     /// Returns whether red, green and blue have different blur kernels. If so, `channel_kernels` is called
     /// instead of `kernel`.
     [[nodiscard]] virtual bool has_channels() const { return false; }
-    /// Returns whether the response model supports astigmatic blur, which mirrors and glass can cause. If
-    /// not, surfaces seen in mirrors or glass are blurred by the mean CoC radius.
+    /// Returns whether this model supports astigmatic blur, which curved mirrors and glass can cause. If not,
+    /// surfaces seen in mirrors or through glass are blurred by the mean radius of their circle of confusion.
     [[nodiscard]] virtual bool takes_maps() const { return true; }
-    /// Computes three blur kernels for each request, one per colour channel. Works in parallel. All requests
-    /// must have the same subpixel position `phase_px`, because their kernels are computed together.
+    /// Computes three blur kernels for each request: one for red, one for green and one for blue. Works in
+    /// parallel. All requests must have the same subpixel position `phase_px`, because their kernels are
+    /// computed together.
     [[nodiscard]] virtual std::vector<std::array<Kernel, 3>> channel_kernels(
         std::span<const ResponseRequest> /*requests*/) const {
         return {};
@@ -86,8 +89,8 @@ class ResponseModel {
                                                             double half_diagonal_px);
 
 /// Creates the blur model of an aperture. Throws the errors of read_aperture. Throws Error(wrong_arguments)
-/// if `impulse` is a real lens, for which lens_model creates the model.
-/// - `half_diagonal_px`: half the diagonal of the image
+/// if `impulse` is a real lens, because lens_model creates the model of a real lens.
+/// - `half_diagonal_px`: half the diagonal of the image, in px
 [[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);

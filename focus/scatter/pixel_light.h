@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Light at one depth in a pixel of another program's image. It is placed at the pixel's centre, because
-/// pixel values are means over the pixel's area.
+/// Light at one depth in a pixel of an image that another program made. The light is placed at the pixel's
+/// centre, because the values of pixels are means over the pixel's area.
 struct PixelLight {
     int x = 0;                   ///< column of the pixel
     double inverse_depth = 0;    ///< 1/m; for the order of compositing

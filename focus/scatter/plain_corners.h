@@ -1,6 +1,6 @@
-// Stores the most common kind of samples compactly, as arrays of depth, r, g and b. These samples have no
-// reflections or refractions. Each lies at a corner of four pixels that are not divided into smaller quadtree
-// cells.
+// Stores the most common kind of samples, plain samples, compactly: as arrays of depth, red, green and blue.
+// These samples have no reflections or refractions. Each of them lies at the common corner of four pixels
+// that are not divided into smaller quadtree cells.
 #pragma once
 
 #include <array>
@@ -26,12 +26,13 @@ namespace postlens {
 /// A sample is plain if it shows no reflections and lies at the corner of four pixels that the quadtree does
 /// not divide. Plain samples are stored compactly: one element per pixel corner, row by row.
 struct PlainCorners {
-    /// Inverse depth of the sample at each pixel corner, in 1/m. It is `not_plain` if the sample shows
-    /// reflections or lies at a divided pixel.
+    /// Inverse depth of the sample at each pixel corner, in 1/m. If the sample is not plain, because it shows
+    /// reflections or lies at a divided pixel, the value is `not_plain`.
     std::vector<double> inverse_depth;
     std::vector<float> r, g, b;  ///< as inverse_depth; 0 for other corners
-    /// Indices into PointSamples::samples of all other samples: those that show reflections or lie at divided
-    /// pixels. The samples of row i begin at others[other_begin[i]].
+    /// Indices into PointSamples::samples of the samples that are not plain: they show reflections, or lie at
+    /// a pixel that the quadtree divides. The indices are sorted by row. Those of row i begin at
+    /// others[other_begin[i]].
     std::vector<std::uint32_t> others, other_begin;
     /// Summary of the samples that are stored for a row.
     struct Row {
@@ -43,9 +44,9 @@ struct PlainCorners {
     static constexpr double not_plain = -1;
 };
 
-/// Finds the samples that PlainCorners can store: those that show no reflections and lie at the corner of
-/// four pixels that the quadtree does not divide. `band` contains the records of `samples`. Reuses the memory
-/// of `out`.
+/// Finds the plain samples, which PlainCorners can store: they show no reflections, and lie at the corner of
+/// four pixels that the quadtree does not divide. `band` contains the records of `samples`. The result is
+/// stored in `out`, whose memory is reused.
 void find_plain_corners(const RecordBand& band, const PointSamples& samples, PlainCorners& out);
 
 }  // namespace postlens

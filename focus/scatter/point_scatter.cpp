@@ -98,8 +98,9 @@ void PointScatter::run(const RasterWindow& rows) {
     stride_ = static_cast<std::size_t>(rows.width()) + 1;
     sum_.resize(std::max(sum_.size(), 4 * stride_ * static_cast<std::size_t>(rows.height())));
     change_.resize(sum_.size());
-    // Each pixel has four values. `change_` stores their differences between neighbouring pixels. One extra
-    // pixel per row holds the difference after the last pixel.
+    // Clears the sums of all pixels. Each pixel has four values: red, green, blue and weight. `change_`
+    // stores the differences of these values between neighbouring pixels of a row. Therefore, each row has
+    // one extra pixel, which holds the difference after the last pixel.
     const std::size_t values = 4 * (static_cast<std::size_t>(reached_.width()) + 1);
     for (int y = reached_.y_begin; y < reached_.y_end; ++y) {
         for (auto* buffer : {&sum_, &change_})

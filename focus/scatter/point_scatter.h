@@ -10,12 +10,13 @@
 
 namespace postlens {
 
-/// Sums over the blurred samples in each pixel of a few rows. Channels 0 to 2: colour times value of the blur
-/// kernel; channel 3: weight times this value.
+/// Adds blurred samples to a few rows of pixels. Each pixel has four sums. Channels 0 to 2 are the samples'
+/// colours, each times the value of the blur kernel. Channel 3 is the samples' weights, each times this
+/// value.
 ///
 /// A wide kernel has the same value in most pixels of a row. Only the changes at the two ends of this
-/// interior are stored, and then summed along the row. The sums use double, because with float every bright
-/// sample would leave a rounding error to its right.
+/// interior are stored, and then summed along the row. The sums use double. With float, every bright sample
+/// would leave a rounding error to its right.
 class PointScatter {
   public:
     /// `channel` selects the blur kernels if each colour channel has its own.
@@ -28,8 +29,8 @@ class PointScatter {
     /// The pixels that the blur of any sample may reach. Sums of light are stored only for these pixels.
     [[nodiscard]] const RasterWindow& reached() const { return reached_; }
     [[nodiscard]] bool reaches(int y) const { return y >= reached_.y_begin && y < reached_.y_end; }
-    /// Returns the sums of red, green, blue and weight of a pixel. Those of the next pixels of the row
-    /// follow.
+    /// Returns the four sums of the pixel (x, y): red, green, blue and weight. In memory, they are followed
+    /// by the sums of the next pixels of the row.
     [[nodiscard]] const double* sums(int x, int y) const { return sum_.data() + index(x, y); }
 
   private:

@@ -12,14 +12,14 @@ namespace {
 /// Rows of samples that are summed in float before the sums are added in double. With so few rows, the
 /// rounding error of float does not matter.
 constexpr int source_rows_per_flush = 32;
-/// The image is computed in strips of 64 columns. This many rows of samples are added to one strip before the
-/// next strip is computed, so that the sums of a strip usually stay in the L1 cache.
+/// The image is computed in strips of 64 columns. This many rows of samples are added to one strip before
+/// they are added to the next strip. So the sums of a strip usually stay in the L1 cache.
 constexpr int source_rows_per_group = 8;
 
 constexpr std::size_t cache_line_floats = 16;
 
-/// A row of 64 pixels is computed as 8 vectors of 8 floats. These fit into the registers and keep the loop's
-/// overhead small.
+/// Number of float values in a SIMD vector. A row of 64 pixels is computed as 8 such vectors. These fit into
+/// the registers, and 64 pixels are enough to keep the loop's overhead small.
 constexpr int lanes = 8;
 constexpr int vectors = RunScatter::strip_width / lanes;
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
@@ -29,8 +29,8 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double DoublesAnywhere __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// Arguments of filter_strip, which blurs a row of samples with a disc-shaped kernel. It adds the result to a
-/// strip of the image, which is 64 columns wide.
+/// Arguments of filter_strip. This function blurs a row of samples with a disc-shaped kernel, and adds the
+/// result to a strip of the image, which is 64 columns wide.
 struct StripFilter {
     const KernelRow* rows;  ///< kernel rows dy = 0, 1, ...
     const float* taps;
@@ -38,8 +38,8 @@ struct StripFilter {
     const double* running;  ///< sum of source colours before the strip, times the kernel's inner value
 };
 
-/// Range [begin, end) of the rows of a blur kernel that reach pixels of the block. Rows are counted from the
-/// kernel's centre.
+/// A range [begin, end) of rows of a blur kernel, counted from the kernel's centre. These are the rows that
+/// reach pixels of the block, the rectangle of the image that is being computed.
 struct RowRange {
     int begin, end;
 };
@@ -149,8 +149,9 @@ void RunScatter::flush_rows(int begin, int end, bool fresh) {
 }
 
 void RunScatter::flush() {
-    // The rows of `total_` from `fresh_from_` on have no values yet. They are written even if no sample has
-    // reached them; their sums are then 0.
+    // Adds the sums of float values to `total_`, which contains the sums in double. The rows of `total_` from
+    // `fresh_from_` on have no values yet, so they are overwritten instead. This also sets rows to 0 that no
+    // sample has reached.
     const int end = std::max(touched_end_, fresh_from_);
     flush_rows(touched_begin_, fresh_from_, false);
     flush_rows(fresh_from_, end, true);
@@ -198,8 +199,9 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     const int reach = kernel.x_end;
     const int rows = kernel.y_end();
     LaidRun laid{};
-    // The centre of the disc lies between its rows -1 and 0. Its halves are mirror images: row -1 - dy equals
-    // row dy. So only the rows from dy = 0 downwards are used.
+    // The centre of the disc lies between its rows -1 and 0. The upper half is the mirror image of the lower
+    // half: row -1 - dy equals row dy. So only the rows from dy = 0 downwards are used, and `row_0` points to
+    // the first of them.
     laid.row_0 = kernel.rows.data() - kernel.y_begin;
     laid.taps = kernel.taps.data();
     laid.inner = static_cast<double>(kernel.inner);

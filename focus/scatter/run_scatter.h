@@ -1,5 +1,5 @@
-// Blurs adjacent samples together, with SIMD, if they lie at pixel corners and have the same blur kernel, a
-// disc. Such samples form a run.
+// Blurs runs of samples with SIMD. A run consists of adjacent samples that lie at pixel corners and have the
+// same blur kernel, a disc. The samples of a run are blurred together.
 #pragma once
 
 #include <vector>
@@ -31,8 +31,8 @@ class RunScatter {
     /// samples reach the block.
     bool run(const RasterWindow& block);
 
-    /// Returns the sums of a channel in row y of a strip, which is `strip_width` columns wide. Channels 0 to
-    /// 2 are colours, channel 3 is the weight.
+    /// Returns the sums of one channel in row y of a strip of the image. A strip is `strip_width` columns
+    /// wide. Channels 0 to 2 are the colours, and channel 3 is the weight.
     [[nodiscard]] const double* sums(int channel, int strip, int y) const {
         return total_.data() + index(channel, strip, y - block_.y_begin);
     }

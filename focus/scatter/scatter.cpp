@@ -21,7 +21,7 @@ namespace {
 constexpr int block_width = scatter_block_px;
 constexpr int block_height = scatter_block_px;
 /// Number of pixel rows that PointScatter computes at a time. More rows need more memory (64 B per pixel).
-/// With fewer rows, it tests more often which samples reach the rows.
+/// With fewer rows, PointScatter must test more often which samples reach the rows.
 constexpr int point_rows = 32;
 
 constexpr int strip_width = RunScatter::strip_width;
@@ -29,8 +29,9 @@ constexpr int strip_width = RunScatter::strip_width;
 /// Sums of red, green, blue and weight in a row of pixels: for each, an array of strip_width values.
 using Sums = std::array<const double*, 4>;
 
-/// Returns the number by which a pixel's sum of colours is divided: the sum of the samples' weights. If it is
-/// less than 1, empty space fills the rest, but at most the fraction `most_nothing` of the pixel.
+/// Returns the number by which a pixel's sum of colours is divided. It is the sum of the samples' weights,
+/// `weight`. If `weight` is less than 1, the samples do not fill the pixel. Empty space then fills the rest,
+/// but at most the fraction `most_nothing` of the pixel. This fraction is added to `weight`.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }
@@ -53,8 +54,8 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     }
 }
 
-/// Divides one colour channel by the sum of the samples' weights in each pixel, and stores it in `image`.
-/// Used if each colour channel has its own blur kernels.
+/// Computes one colour channel of the image, and stores it in `image`. Each pixel's sum of colours is divided
+/// by its sum of the samples' weights. This function is used if each colour channel has its own blur kernels.
 void store_channel(const SplatTables& tables, const PointScatter& points, std::size_t channel,
                    const RasterWindow& rows, Image& image) {
     const RasterWindow& picture = tables.picture();
@@ -73,9 +74,9 @@ void store_channel(const SplatTables& tables, const PointScatter& points, std::s
     }
 }
 
-/// Stores a few pixel rows in the image: sums of colours, divided by sums of weights. `points` has the sums
-/// of samples that were blurred one by one, `runs` (may be null) those of adjacent samples that were blurred
-/// together.
+/// Computes a few pixel rows, and stores them in `image`. Each pixel's sums of colours are divided by its sum
+/// of weights. `points` contains the sums of samples that were blurred one by one. `runs` contains those of
+/// adjacent samples that were blurred together; it may be null.
 void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter& points,
                 const RasterWindow& rows, Image& image) {
     static constexpr std::array<double, strip_width> none{};
@@ -175,8 +176,9 @@ void scatter(const SplatTables& tables, Image& image, const std::optional<Crop>&
 
 namespace {
 
-/// Blurs every sample with the kernels that belong to the colour channel `channel`. Returns four sums for
-/// every pixel: red, green, blue and weight.
+/// Blurs every sample with the kernels of one colour channel, `channel`, because each colour channel may have
+/// its own kernels. Returns four sums for every pixel: the red, green and blue of the blurred samples, and
+/// their weights. Only the colour with the number `channel` is then correct.
 std::vector<double> reference_sums(const SplatTables& tables, std::size_t channel) {
     const RasterWindow& picture = tables.picture();
     const RasterWindow& source = tables.source();

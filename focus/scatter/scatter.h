@@ -1,5 +1,6 @@
-// The method `scatter` [potmesil1981]. It spreads each sample over its circle of confusion, then divides each
-// pixel by its sum of weights.
+// The method `scatter` [potmesil1981]. It spreads each sample over its circle of confusion (the disc over
+// which the lens blurs it). Then it divides the sum of colours in each pixel by the sum of the samples'
+// weights.
 #pragma once
 
 #include "focus/scatter/splat_tables.h"

@@ -13,9 +13,10 @@ namespace {
 
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
-/// Returns the number of adjacent samples from which on it is faster to blur them together than one by one,
-/// if their discs have the same radius. The time for blurring together grows with the disc's area, the time
-/// for blurring one by one with its circumference.
+/// Adjacent samples of a row can be blurred together if their discs have the same radius. Returns the
+/// smallest number of samples for which this is faster than blurring them one by one. The time to blur them
+/// together grows with the disc's area. The time to blur one sample grows only with its circumference. So the
+/// number grows with the radius.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }
@@ -79,8 +80,9 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
-    // The largest CoC is reported only for directly visible surfaces at a finite depth. Near a caustic in a
-    // mirror or glass, a CoC could be arbitrarily large.
+    // Finds the largest circle of confusion (CoC), which is reported to the user. Only directly visible
+    // surfaces at a finite depth count. Surfaces in a mirror or behind glass do not count, because near a
+    // caustic their CoC could be arbitrarily large.
     if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
     t_.border_.note(t_.source_, s, y_, primary.farthest_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
@@ -114,8 +116,9 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     add_splats(s, primary, rgb, share);
 }
 
-// Adds samples that show no reflections and lie at corners of pixels that the quadtree does not divide. The
-// result is that of add_sample, but faster.
+// Adds the plain samples of a row, which show no reflections and lie at corners of pixels that the quadtree
+// does not divide. The result is the same as if add_sample were called for each. But this function is faster,
+// because it converts the depths of a whole row at once.
 void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t row) {
     const std::size_t width = level_.size(), at = row * width;
     const std::span inverse = std::span(plain.inverse_depth).subspan(at, width);
@@ -241,8 +244,9 @@ void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
-    // A kernel is added to the image at a whole pixel, its anchor. 1 px is added because the kernel's centre
-    // may lie up to 1 px from its anchor.
+    // The limits are the largest distances between a sample and a pixel, plus 1 px. A kernel is added to the
+    // image at a whole pixel, its anchor. Its centre may lie up to 1 px from the anchor, which is why 1 px is
+    // added.
     return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
             std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
 }

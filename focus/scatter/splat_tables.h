@@ -23,37 +23,39 @@
 
 namespace postlens {
 
-/// Returns the largest distance, in px along each axis, between a sample in `source` and a pixel in
-/// `picture`. No blur kernel needs to be larger.
+/// Returns the largest distance between a sample in the window `source` and a pixel in the window `picture`,
+/// in px along each axis. No blur kernel needs to be larger, because its outer part would lie outside the
+/// image.
 [[nodiscard]] KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture);
 
-/// A sample to be blurred. The reflections and refractions in it are splats of their own, with `weight` 0, so
-/// that the sample counts only once in the sum of weights.
+/// A sample to be blurred. A reflection or refraction in a sample is a separate splat if it needs another
+/// blur kernel. It adds its colour to the image, but its `weight` is 0. So each sample counts only once in
+/// the sum of weights by which a pixel is divided.
 struct Splat {
     std::int32_t x = 0;  ///< anchor column; the row is that of its SplatRow
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0;
 };
 
-/// A run: adjacent samples that all have weight 1, and the same disc as blur kernel. They are blurred
-/// together. They lie at pixel corners, in the columns [begin, end) of a row. SplatTables::raster_row
-/// contains their colours.
+/// A run: adjacent samples that all have weight 1 and the same blur kernel, a disc. They are blurred
+/// together, which is faster. They lie at pixel corners, in the columns [begin, end) of a row.
+/// SplatTables::raster_row contains their colours.
 struct SplatRun {
     std::int32_t begin = 0, end = 0;
     std::uint32_t kernel = 0;
 };
 
-/// The samples of each row are sorted into this many classes by the size of their blur kernel. A block of
-/// pixels far from the row then skips the classes whose kernels do not reach the block.
+/// Number of classes into which the samples of each row are sorted, by the size of their blur kernel. A block
+/// of pixels far from the row then skips the classes whose kernels do not reach the block.
 inline constexpr std::size_t reach_classes = 6;
 [[nodiscard]] std::size_t reach_class(const Reach& reach);
 
 struct SplatRow {
     std::vector<SplatRun> runs;  ///< sorted by column
     std::vector<Splat> splats;   ///< sorted by reach class, then by column
-    /// `splats` is sorted by the size class of the blur kernels. Class c consists of the elements
-    /// [class_begin[c], class_begin[c + 1]). class_reach[c] is the range of pixels that their kernels cover,
-    /// relative to the sample.
+    /// The samples in `splats` are sorted into classes by the size of their blur kernel. Class c consists of
+    /// the elements [class_begin[c], class_begin[c + 1]) of `splats`. class_reach[c] is the range of pixels
+    /// that the kernels of class c cover, relative to the sample.
     std::array<std::uint32_t, reach_classes + 1> class_begin{};
     std::array<Reach, reach_classes> class_reach{};
     int run_dy_begin = 0, run_dy_end = 0;
@@ -64,12 +66,14 @@ struct SplatRow {
     }
 };
 
-/// The samples of an image with their blur kernels, sorted by row. Add each row once, in any order, then call
-/// finish().
+/// The samples of an image with their blur kernels, stored by row. Add each row of samples once, in any
+/// order, and then call finish().
 class SplatTables {
   public:
-    /// `source` is the window of the samples, which lie at pixel corners. `picture` is the window of the
-    /// image's pixels. `response` computes the blur kernels; if it is null, they are discs.
+    /// Creates tables without samples.
+    /// - `source`: window of the samples, which lie at pixel corners
+    /// - `picture`: window of the image's pixels
+    /// - `response`: computes the blur kernels; if it is null, they are discs and ellipses
     SplatTables(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
                 const DepthLevels& levels, DepthModel model,
                 std::shared_ptr<const ResponseModel> response = nullptr);
@@ -79,7 +83,7 @@ class SplatTables {
     SplatTables(SplatTables&&) = delete;
     SplatTables& operator=(SplatTables&&) = delete;
 
-    /// Adds the samples in the rows [y_begin, y_end) of pixel corners to the tables. Throws
+    /// Adds the samples in the rows [y_begin, y_end) of pixel corners to this object. Throws
     /// Error(invalid_input) for a damaged quadtree.
     /// - `band`: the records of these rows, and of one more row above and below
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
@@ -89,23 +93,26 @@ class SplatTables {
     /// Adds row y of an image that another program made. `lights` are the samples of this row, sorted by
     /// column; those marked as hidden are skipped. Several threads may add different rows.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Lets pixels stay partly black if the weights of the samples in a pixel add up to less than 1: empty
-    /// space ("nothing") fills the rest. `most` is the largest fraction of each pixel that empty space may
-    /// fill, row by row.
+    /// Allows empty space ("nothing"), which is black, to show in the image. If the weights of the samples in
+    /// a pixel add up to less than 1, empty space fills the rest of the pixel. `most` contains one value for
+    /// each pixel, row by row: the largest fraction of the pixel that empty space may fill.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
     /// Computes the blur kernels. Call it after the last call of add_rows or add_pixels.
     void finish();
 
-    /// A large image is computed in strips (groups of rows). First call survey() and add all samples. Then,
-    /// for each strip, call begin_strip(), add the rows that it returns once more, and call finish_strip().
+    /// A large image is computed in strips (groups of rows), to save memory. For this, call survey() first
+    /// and add all samples, to find out which rows each sample's blur reaches. Then, for each strip, call
+    /// begin_strip(), add once more the rows of samples that it returns, and call finish_strip().
     void survey() { keep_ = Keep::none; }
     /// Prepares to compute `part`, a strip (group of rows) of the image. Returns the ranges [begin, end) of
-    /// rows of samples that must be added again for this strip.
-    /// - `block_px`: height of the groups of rows that splats_reaching() counts
+    /// rows of samples that must be added again before finish_strip(), because their blur reaches the strip.
+    /// - `block_px`: the image is divided into blocks of this many rows, for which splats_reaching() counts
+    ///   samples
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// Returns how many samples the blur spreads into a range of image rows. `begin` and `end` count groups
-    /// of rows, whose height is `block_px` of begin_strip. Call it after finish_strip().
+    /// Returns how many samples are blurred into some rows of the image: those of the blocks [begin, end). A
+    /// block consists of `block_px` rows, the argument of begin_strip. The number serves to estimate the
+    /// memory that these rows need. Call this function after finish_strip().
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -115,30 +122,31 @@ class SplatTables {
     [[nodiscard]] const SplatRow& row(int y) const {
         return rows_[static_cast<std::size_t>(y - source_.y_begin)];
     }
-    /// Returns one colour channel (0 to 2) of the samples in row y. The values are only valid for runs
-    /// (SplatRun): adjacent samples with the same blur kernel.
+    /// Returns one colour channel (0: red, 1: green, 2: blue) of the samples in row y, one value for each
+    /// pixel corner. Only the values of samples that belong to a run (SplatRun) are valid. The colours of all
+    /// other samples are in their splats.
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// Every blur disc of samples that are blurred together (SplatRun) covers at most the rows [run_dy_begin,
-    /// run_dy_end), relative to the row of the sample.
+    /// Samples of a run (SplatRun) are blurred together with a disc. These discs cover at most the rows from
+    /// run_dy_begin to run_dy_end (exclusive), relative to the row of the sample.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
-    /// Returns, for each pixel in row y, an upper bound of the fraction of the pixel that may show empty
-    /// space. Returns null if no pixel may show empty space.
+    /// Returns how much of each pixel in row y may show empty space: an upper bound of the fraction of the
+    /// pixel's area. Returns null if no pixel may show empty space.
     [[nodiscard]] const float* nothing_row(int y) const {
         return nothing_.empty() ? nullptr
                                 : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *
                                                         static_cast<std::size_t>(picture_.width());
     }
     [[nodiscard]] const BorderRadii& border() const { return border_; }
-    /// Returns the largest CoC diameter of directly visible surfaces at a finite depth, in px. It is not
-    /// rounded to a depth level.
+    /// Returns the largest CoC diameter, in px, of the directly visible surfaces at a finite depth. This
+    /// diameter is exact, whereas blur kernels are computed for rounded diameters only.
     [[nodiscard]] double largest_coc_px() const;
     /// Returns how many different radii the samples' blur discs have.
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }

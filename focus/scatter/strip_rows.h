@@ -15,12 +15,12 @@
 
 namespace postlens {
 
-/// Finds the rows of the sample file that must be read again for each strip (group of rows) of the image,
-/// because their samples are blurred into the strip.
+/// The image is computed in strips (groups of rows), to save memory. This class finds the rows of the sample
+/// file that must be read again for each strip, because their samples are blurred into the strip.
 ///
 /// An `Item`, for example a sample to be blurred, belongs to a row of the file and reaches several rows of
-/// the image. The few items that reach many rows are kept in memory, so that only file rows close to a strip
-/// must be read.
+/// the image. The few items that reach many rows are kept in memory. So only file rows close to a strip must
+/// be read.
 template <typename Item>
 class StripRows {
   public:
@@ -30,9 +30,9 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// Creates an object without samples.
+    /// Prepares to add samples. At first, there are none.
     /// - `source`: window of the rows of samples in the file
-    /// - `picture`: window of the image, divided into blocks of `block_px` rows
+    /// - `picture`: window of the image, which is divided into blocks of `block_px` rows
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
         : y_begin_(source.y_begin),
           first_(picture.y_begin),
@@ -63,8 +63,9 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Samples whose blur reaches many rows stay in memory. If they need more than `far_bytes`, keeps only
-    /// those whose blur reaches even more rows. Call it after complete rows were added.
+    /// Limits the memory for samples whose blur reaches many rows, which are kept in memory. If they need
+    /// more than `far_bytes`, the number of rows that counts as many is doubled, as often as necessary.
+    /// Samples that reach fewer rows are then removed. Call this function after complete rows were added.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
@@ -87,7 +88,8 @@ class StripRows {
     }
 
     /// Returns the ranges [begin, end) of sample rows that must be read to compute the pixel rows [first,
-    /// last). Includes short gaps between them, because this is faster than another read.
+    /// last). A short gap between two ranges is included, because reading it is faster than starting another
+    /// read.
     [[nodiscard]] std::vector<std::pair<int, int>> to_be_read(int first, int last) const {
         constexpr int worth_a_gap = 16;
         std::vector<std::pair<int, int>> out;
@@ -114,8 +116,8 @@ class StripRows {
         }
         return out - gone;
     }
-    /// Returns the samples of row y that are kept in memory, because their blur reaches more than far_px_
-    /// rows. They have the order in which they were added.
+    /// Returns the samples of row y that are kept in memory. Their blur reaches pixels more than far_px_ rows
+    /// away. They are returned in the order in which they were added.
     [[nodiscard]] std::span<const Far> far(int y) const {
         return rows_[static_cast<std::size_t>(y - y_begin_)].far;
     }
