@@ -58,9 +58,9 @@ class Aperture {
     [[nodiscard]] double farthest() const { return farthest_; }
 
     /// Returns the part of the aperture that cat's-eye vignetting leaves open at image position `field`,
-    /// which is relative to the centre and has length 1 at an image corner. It is a polygon in lens radii,
-    /// within `tolerance` lens radii of the true outline, and empty if no light passes. `rim_scale` is the
-    /// lens radius divided by the radius of the vignetting rim, projected onto the lens.
+    /// which is relative to the centre and has length 1 at an image corner. The result is a polygon in lens
+    /// radii, within `tolerance` lens radii of the true outline. It is empty if no light passes. `rim_scale`
+    /// is the lens radius divided by the radius of the vignetting rim, projected onto the lens.
     ///
     /// Not available if the aperture is an image.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;

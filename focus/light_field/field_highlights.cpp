@@ -38,9 +38,9 @@ constexpr int least_moments = 8;
 /// Radiance of white. If a blur kernel spreads a highlight, it spreads only the part of its radiance above
 /// this value. The part below is reprojected to the lens points like other light.
 constexpr float white = 1;
-/// A static highlight is spread by a blur kernel only if its radiance exceeds this value (white) in some
-/// colour channel. Dimmer light is reprojected to the lens points like other light, because it causes little
-/// noise.
+/// A static highlight is spread by a blur kernel only if its radiance exceeds white by at least this value in
+/// some colour channel. Dimmer light is reprojected to the lens points like other light, because it causes
+/// little noise.
 constexpr float least_radiance = 1;
 /// Highlights of one surface within a square of this width in the image share one visibility test.
 constexpr double group_px = 1.5;

@@ -91,7 +91,8 @@ class FieldHighlights {
     };
     /// Neighbouring highlights whose blur reaches a tile (square of the image). They share tests of whether
     /// nearer surfaces hide them. `samples` is the number of positions in each pixel at which this is tested.
-    /// If `samples` is 0, it is not tested, but looked up in the tile's views.
+    /// If `samples` is 0, no test is made, and the visibility of the highlights is looked up in the tile's
+    /// views instead.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;

@@ -24,8 +24,8 @@ class HighlightMotion {
     /// enough.
     static constexpr float largest_px2 = 64;
     /// Limit for drawing moving highlights as streaks along their path. A highlight's radiance must exceed
-    /// this value (white is 1) in some colour channel. Dimmer highlights are not drawn as streaks, because
-    /// the light field, the mean of images at many instants, shows them smoothly enough.
+    /// white, which is 1, by at least this value in some colour channel. Dimmer highlights are not drawn as
+    /// streaks, because the light field, the mean of images at many instants, shows them smoothly enough.
     static constexpr float least_radiance = 3;
 
     /// Returns the motion of the object `id` on the raster, from the instant that the sample file records to

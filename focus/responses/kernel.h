@@ -152,8 +152,8 @@ class KernelTable {
     /// Returns the number that identifies the blur kernel with this key. Before `build`, this requests the
     /// kernel. After `build`, only keys that were requested before are allowed.
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
-    /// Requests the blur kernel of a depth level, so that `build` computes it. The kernel is a disc, and its
-    /// centre is a whole raster position.
+    /// Requests the blur kernel of a depth level, so that `build` computes it. The kernel is a disc, whose
+    /// centre is an integer raster position.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
     /// Builds all requested blur kernels, in parallel. Call it once. If the kernels would need more memory
     /// than `memory_limit_bytes`, their sizes are rounded more coarsely, so that more samples share a kernel.

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double even_px = LevelTable::even_diameter_px;
 /// Step between the CoC diameters for which blur kernels are computed, in px. It is used for medium
-/// diameters, from small_px to even_px. Other diameters are rounded to the nearest step, which changes them
-/// by less than a quarter pixel.
+/// diameters, from small_px to even_px. A diameter between two steps is rounded to the nearer one, which
+/// changes it by less than a quarter pixel.
 constexpr double step_diameter_px = 0.49;
 /// Steps between the CoC diameters for which blur kernels are computed, for diameters up to small_px. The
 /// step is the fraction small_step_share of the diameter, but at least small_step_px, in px. Larger steps

@@ -178,7 +178,7 @@ namespace {
 
 /// Blurs every sample with the kernels of one colour channel, `channel`, because each colour channel may have
 /// its own kernels. Returns four sums for every pixel: the red, green and blue of the blurred samples, and
-/// their weights. Only the colour with the number `channel` is then correct.
+/// their weights. If the kernels of the channels differ, only the colour `channel` is correct.
 std::vector<double> reference_sums(const SplatTables& tables, std::size_t channel) {
     const RasterWindow& picture = tables.picture();
     const RasterWindow& source = tables.source();

@@ -63,9 +63,9 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Limits the memory for samples whose blur reaches many rows, which are kept in memory. If they need
-    /// more than `far_bytes`, the number of rows that counts as many is doubled, as often as necessary.
-    /// Samples that reach fewer rows are then removed. Call this function after complete rows were added.
+    /// Limits the memory for samples that are kept because their blur reaches more than far_px_ rows away. If
+    /// they need more than `far_bytes`, far_px_ is doubled until they do not. Samples whose blur reaches
+    /// fewer rows are then no longer kept. Call this function after complete rows were added.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
