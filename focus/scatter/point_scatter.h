@@ -10,9 +10,8 @@
 
 namespace postlens {
 
-/// Adds blurred samples to a few rows of pixels. Each pixel has four sums. Channels 0 to 2 are the samples'
-/// colours, each times the value of the blur kernel. Channel 3 is the samples' weights, each times this
-/// value.
+/// Adds blurred samples to a few rows of pixels. Each pixel has four sums over the samples. Channels 0 to 2
+/// are colour times the value of the blur kernel. Channel 3 is weight times this value.
 ///
 /// A wide kernel has the same value in most pixels of a row. Only the changes at the two ends of this
 /// interior are stored, and then summed along the row. The sums use double. With float, every bright sample
