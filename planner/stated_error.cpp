@@ -44,8 +44,10 @@ StatedError stated_error(const MeasuredError& measured) {
         out.views_mse += share * tile.noise_mse;
         out.variance += share * share * tile.noise_variance;
     }
-    // By chance, the noise estimated by views_mse may be too small. So it is raised to at least the standard
-    // deviation of this estimate.
+    // `views_mse`, the estimated squared error due to the noise of the views, is a random number, and may by
+    // chance be much too small. `variance` is the variance of this estimate. Therefore, `views_mse` is raised
+    // to at least the standard deviation of the estimate, so that the image is not stated to be almost free
+    // of noise.
     out.views_mse = std::max(out.views_mse, std::sqrt(out.variance));
     out.variance += measured.bias_variance;
     const double mse = out.mse();

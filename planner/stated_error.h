@@ -14,8 +14,10 @@ inline constexpr double wanted_interval_db = 2;
 /// Converts a squared error to PSNR, at most 120 dB.
 [[nodiscard]] double stated_db(double mse);
 
-/// The measured error of an image: the noise of its views (images from different lens points) plus errors of
-/// the records. Squared errors are means over pixels and channels, of sRGB values clamped to [0, 1].
+/// The measured squared error of an image that is the mean of views (images from different lens points). It
+/// has two parts. The noise arises because the number of views is limited. The error of the records arises
+/// because the sample file stores surface hits only at some points. Squared errors are means over pixels and
+/// channels, of sRGB values clamped to [0, 1].
 struct StatedError {
     double views_mse = 0;              ///< noise of the views
     double bias_mse = 0;               ///< error of the records

@@ -30,7 +30,8 @@ namespace {
 constexpr int coarser = 4;      ///< width of a preview pixel, in pixels of the trace
 constexpr int look_levels = 2;  ///< levels of the preview; its finest cells are as wide as trace pixels
 constexpr int most_levels = 6;
-/// A trace must reach the target error in this fraction of the tiles, and in the mean of the image.
+/// A trace is accepted only if it is predicted to reach the target error. The mean error of the whole image
+/// must reach the target, and so must the error of at least this fraction of the image's tiles.
 constexpr double tiles_met = 0.9;
 /// Mean number of eye rays that the division of a quadtree cell adds. They pass through its centre and the
 /// midpoints of its sides, except where a ray was traced before.
@@ -107,12 +108,13 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
             const int x = static_cast<int>(pixel) % rows.band->width() + rows.band->x_begin,
                       y = static_cast<int>(pixel) / rows.band->width() + begin;
             if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
-            // At quadtree level L, an edge crosses 2^L cells of a pixel at unknown positions. The error of a
-            // cell is proportional to its area, 4^-L px^2. An edge aligned with the quadtree crosses all
-            // cells at the same position, so their errors are equal and add up. With a slanted edge, they are
-            // independent, so their squares add up. Squared error of the pixel:
-            // - aligned: (2^L 4^-L)^2 = 2^-2L
-            // - slanted: 2^L (4^-L)^2 = 2^-3L
+            // Predicts the squared error of a pixel that an edge crosses. At quadtree level L, the edge
+            // crosses 2^L cells of the pixel, at unknown positions. The error of such a cell is proportional
+            // to its area, 4^-L px^2.
+            // - An edge aligned with the quadtree crosses all cells at the same position. So their errors are
+            //   equal and add up: (2^L 4^-L)^2 = 2^-2L.
+            // - A slanted edge crosses them at different positions, so their errors are independent and their
+            //   squares add up: 2^L (4^-L)^2 = 2^-3L.
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
                                     averaged_by(coc_px, !slants);
             ByLevel& to = out.tiles[out.grid.at(x * coarser, y * coarser)];
@@ -189,9 +191,11 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
-    // Hidden surfaces are traced in a strip beside each edge, as wide as the reach of the lens plus a margin
-    // in pixels. The margin of the preview is `coarser` times as wide, because its pixels are. So the planned
-    // trace has a strip narrower by this factor.
+    // `narrower` converts the number of hidden records from the preview to the planned trace. Hidden surfaces
+    // are traced in a strip beside each edge. Its width is the reach of the lens plus a margin of a fixed
+    // number of pixels. The preview's pixels are `coarser` times as wide as those of the planned trace, so
+    // its margin is also `coarser` times as wide. Therefore, the planned trace has a strip narrower by the
+    // factor `narrower`.
     const double narrower = (reach_px + LensReach::margin_px) / (reach_px + coarser * LensReach::margin_px);
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());

@@ -40,9 +40,9 @@ enum class ExitCode {
     interrupted = 130,  ///< The job was cancelled.
 };
 
-/// The exception of every function in this namespace. `what()` is one line of the form "FILE:LINE: what is
-/// wrong (got X; expected Y)". A message names the command's options instead of the settings, such as
-/// `--f-number` for `f_number`.
+/// The exception that every function in this namespace throws. `what()` is one line of the form "FILE:LINE:
+/// what is wrong (got X; expected Y)". If a field of a settings struct has a wrong value, the line names the
+/// corresponding option of the command line, for example `--f-number` for the field `f_number`.
 class Error : public std::runtime_error {
   public:
     /// Makes an error.

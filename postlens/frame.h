@@ -59,13 +59,15 @@ struct Records {
     /// 0 if the surface is seen directly.
     std::vector<std::uint32_t> path = {};
     std::vector<std::uint32_t> layer = {};  ///< 0 for a visible surface; n for the n-th surface behind it.
-    /// The 2x2 matrix W of each record, in 1/m: xx, xy, yx, yy. If the lens point moves by q (m), the
-    /// surface's image moves by -W q times film distance / pixel pitch. W is the identity / depth for a
-    /// directly seen surface [Igehy 1999].
+    /// The 2x2 matrix W of each record, in 1/m, as xx, xy, yx, yy. W describes how the image of the record's
+    /// surface moves when the lens point moves. If the lens point moves by the vector q, in m, the image
+    /// moves by -W q times film distance / pixel pitch, in px. For a surface seen directly, W is the unit
+    /// matrix divided by the depth [Igehy 1999].
     std::vector<float> w = {};
-    /// Error of W in each record, in 1/m^2. W states how the surface's image moves with the lens point, as a
-    /// linear function, but curved mirrors and glass make the motion nonlinear. The error is 0 if not
-    /// measured, and infinite if other lens points see the surface by other reflections or refractions.
+    /// Error of the matrix W (`w`) of each record, in 1/m^2. W describes the motion of the surface's image as
+    /// a linear function of the lens point, but behind curved mirrors and glass the true motion is nonlinear.
+    /// The error grows with the square of the distance from the lens centre. It is 0 if it was not measured.
+    /// It is infinite if other lens points see the surface by other reflections or refractions.
     std::vector<float> w_bend = {};
 };
 

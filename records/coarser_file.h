@@ -8,8 +8,9 @@
 
 namespace postlens {
 
-/// Estimates how many records (surface hits) of the instant 0 lie exactly at pixel corners, not within
-/// pixels. It extrapolates from at most 32 evenly spaced rows.
+/// Estimates how many records (surface hits) a coarser copy of the file can keep. These are the records
+/// exactly at pixel corners, because a coarser copy has no subdivided pixels. Counts only records of instant
+/// 0, the first recorded instant. Extrapolates from at most 32 evenly spaced rows.
 [[nodiscard]] double corner_records(const SampleFileReader& file);
 
 /// Writes a sample file whose pixels are `by` times as wide and as high as those of `file`. The new file

@@ -31,9 +31,10 @@ class PixelPlaces {
     float x_, y_;
 };
 
-/// Appends to `corners` the lower left corner of every quadtree leaf (undivided cell) that touches the lower
-/// edge of a pixel. Calls itself for the two lower quarters of a divided cell, i.e. of a cell with a sample
-/// at its centre. The current cell begins at u and is `size` wide, both in steps of 1 / position_steps px.
+/// Finds the quadtree leaves (undivided cells) of a pixel that touch its lower edge, and appends the position
+/// of each leaf's lower left corner to `corners`. The current cell begins at the position u along this edge
+/// and is `size` wide, both in steps of 1 / position_steps px. If a sample lies at its centre, the cell is
+/// divided. Then this function calls itself for its two lower quarters.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {

@@ -18,15 +18,16 @@ struct LostRows {
     friend bool operator==(const LostRows&, const LostRows&) = default;
 };
 
-/// Makes records of rays that hit nothing, in place of the unreadable row y of a damaged file.
-/// - above: the row above, or null if there is none. Corners of its quadtree cells on its lower edge belong
-///   to row y, and get records, too.
+/// Makes records of rays that hit nothing, in place of row y of a damaged file, which cannot be read.
+/// - above: the row y - 1, or null if there is none. The corners on the lower edges of its quadtree cells are
+///   stored in row y. Therefore, they also get records.
 /// - offsets: receives the index of each pixel's first record, as in RecordBand::offsets
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 
-/// Returns a RecordBand (rows of records) that contains only row y, which is unreadable in the file. Its
-/// records are those that stand_in_for_row makes: rays that hit nothing.
+/// Returns a RecordBand (rows of records) that contains only row y. It replaces row y of the file, which
+/// cannot be read, so that the other rows can still be used. Its records are those that stand_in_for_row
+/// makes: rays that hit nothing. `above` is row y - 1, or null if there is none.
 [[nodiscard]] RecordBand stand_in_row(const RecordBand* above, int x_begin, int x_end, int y);
 
 /// Returns a copy of rows y_begin to y_end - 1 of a band, which must contain them.

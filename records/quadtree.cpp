@@ -83,9 +83,10 @@ Sample* find_in_pixel(const Row<Sample>& row, std::size_t column, float x, float
 template <typename Sample>
 class PlacedSamples {
   public:
-    /// Fills `at_`, a table of positions in pixel (x, y), with the pixel's samples. These include samples on
-    /// its right and lower edges, which neighbouring pixels store. Returns false if the quadtree divides the
-    /// pixel more finely than the table.
+    /// Fills the table `at_` with the samples of pixel (x, y), so that a sample can be found by its position.
+    /// The samples on the pixel's right and lower edges belong to it too, but the neighbouring pixels store
+    /// them. `above` is the row of samples y, and `below` is the row y + 1. Returns false if the pixel's
+    /// quadtree is finer than the positions of the table.
     /// - `column`: index of the pixel in its row
     bool place(const Row<Sample>& above, const Row<Sample>& below, int x, int y, std::size_t column) {
         for (const std::size_t k : used_) at_[k] = nullptr;
@@ -94,8 +95,10 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // The pixel on the right stores the samples on the edge between the two pixels. If its quadtree is
-        // finer than the table `at_`, add() skips samples that lie between two positions of `at_`.
+        // The samples on the edge between this pixel and its right neighbour are stored with the neighbour.
+        // The neighbour's quadtree may be finer than that of this pixel, and even finer than the table `at_`.
+        // Then some of its samples lie between two positions of the table. add() skips them, because no cell
+        // of this pixel has them as corners.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -196,8 +199,9 @@ struct ColourRow {
     [[nodiscard]] Row<const ColourSample> view() const { return {samples.data(), offsets.data()}; }
 };
 
-/// Sets `row` to the samples of pixel row y, with their colours, for pixels x_begin to x_end - 1. With
-/// `top_edge_only`, includes only samples on the upper edge of these pixels.
+/// Sets `row` to the samples of the pixels x_begin to x_end - 1 in pixel row y, with their colours. With
+/// `top_edge_only`, includes only the samples on the upper edge of these pixels. These samples suffice for
+/// the pixel row y - 1, whose lower edge this is.
 void colours_of_row(const RecordBand& band, int y, int x_begin, int x_end, bool top_edge_only,
                     ColourRow& row) {
     row.samples.clear();
@@ -251,9 +255,11 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // Corners of a cell and quadrants around a sample have the same
-                                       // numbers: 0 up-left, 1 up-right, 2 down-left, 3 down-right. Seen from
-                                       // its corner c, a cell lies in the opposite quadrant, 3 - c.
+                                       // A sample at a cell's corner represents a quarter of the cell's area.
+                                       // weight[k] belongs to the cell in quadrant k around the sample. The
+                                       // four corners of a cell and the four quadrants have the same numbers:
+                                       // 0 up-left, 1 up-right, 2 down-left, 3 down-right. Seen from corner
+                                       // c, the cell lies in the opposite quadrant, 3 - c.
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

@@ -1,5 +1,6 @@
-// Rebuilds the quadtree of each pixel from the positions of its samples. The quadtree determines the weights
-// of the samples in the pinhole image.
+// Rebuilds the quadtree into which each pixel was divided while it was traced. The file does not store the
+// quadtree, but the positions of the samples at the corners of its cells determine it. The areas of the cells
+// then give the weights of the samples in the pinhole image.
 #pragma once
 
 #include <array>
@@ -20,8 +21,9 @@ struct PointSample {
     float x = 0, y = 0;              ///< raster, px
     std::uint32_t first_record = 0;  ///< index into the band's records
     std::uint32_t record_count = 0;
-    /// Weights of the sample in the quadtree cells up-left, up-right, down-left and down-right of it. Each is
-    /// a quarter of the cell's area, in px^2.
+    /// Weights of this sample. It is a corner of up to four quadtree cells: up-left, up-right, down-left and
+    /// down-right of it. For each of these cells, the weight is a quarter of the cell's area, in px^2,
+    /// because a cell has four corners. It is 0 if there is no such cell.
     std::array<float, 4> weight{};
     /// Edge length, in px, of the quadtree cells up-left, up-right, down-left and down-right of the sample; 0
     /// if there is none.

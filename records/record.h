@@ -94,10 +94,11 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
-    /// Error of the matrix `w`, in 1/m^2: a mirror image does not move exactly linearly with the lens point.
-    /// For a lens point R metres from the lens centre, the image's position is wrong by w_bend * R^2 * film
-    /// distance / pixel pitch, px. 0 if not measured; infinite if other lens points see the surface by
-    /// another sequence of reflections and refractions.
+    /// Error of the matrix `w`, in 1/m^2. `w` describes the motion of the surface's image with the lens point
+    /// as a linear map, but behind curved mirrors and glass the motion is nonlinear. For a lens point R
+    /// metres from the lens centre, the image's position is wrong by w_bend * R^2 * film distance / pixel
+    /// pitch, in px. 0 if not measured. Infinite if other lens points see the surface by another sequence of
+    /// reflections and refractions.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;

@@ -12,15 +12,16 @@ namespace postlens {
 struct RecordsRead {
     /// Receives the point samples of rows y_begin to y_end - 1. Each row is passed once, from top to bottom.
     std::function<void(const RecordBand& band, int y_begin, int y_end)> rows;
-    /// Receives pixel rows y_begin to y_end - 1 and the leaves (undivided cells) of their quadtrees. Each row
-    /// is passed once. May be called by several threads at once.
+    /// Receives the pixel rows y_begin to y_end - 1 of `band`, and in `leaves` the leaves (undivided cells)
+    /// of the quadtrees into which their pixels are divided. Each row is passed once. The function may be
+    /// called by several threads at once.
     std::function<void(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves)> leaves;
 };
 
-/// Reports rows y_begin to y_end - 1 of `band` to `to`: calls `to.rows` for them, and `to.leaves` for their
-/// quadtree leaves (undivided cells). Row y_end must be in `band` too, because it contains the lower corners
-/// of the leaves. The last row of the file has no row below it, and therefore no leaves. Throws the errors of
-/// find_leaves, `to.rows` and `to.leaves`.
+/// Passes the rows y_begin to y_end - 1 of `band` to the functions in `to`: calls `to.rows` for the rows, and
+/// `to.leaves` for the quadtree leaves (undivided cells) of their pixels. The lower corners of the leaves in
+/// a row are stored in the next row, so row y_end must be in `band` too. The last row of the file has no next
+/// row, and therefore no leaves. Throws the errors of find_leaves, `to.rows` and `to.leaves`.
 void tell(const RecordsRead& to, const RecordBand& band, int y_begin, int y_end);
 
 }  // namespace postlens

@@ -27,10 +27,10 @@ struct ScanlineFacts {
     std::uint64_t checksum = 0;
 };
 
-/// Writes a sample file in bands of rows, so that memory is bounded. The bands of instant 0 (the instant of
-/// the pinhole image) come first, from top to bottom. Those of each key (further recorded instant) follow.
-/// The colours of the records must be radiance without exposure: SampleFileReader applies the exposure of the
-/// header.
+/// Writes a sample file, which stores the records (surface hits) of a traced frame and its pinhole image. The
+/// records are passed in bands of rows, so that memory is bounded. First come the bands of instant 0, the
+/// instant of the pinhole image, from top to bottom. Those of each key (further recorded instant) follow. The
+/// colours must be radiance without exposure, because SampleFileReader applies the exposure of the header.
 /// The file appears at `path` when finish() is called.
 class SampleFileWriter {
   public:
@@ -59,8 +59,9 @@ class SampleFileWriter {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Returns the number of bytes that rows y_begin to y_end - 1 of `band` occupy in a sample file. Includes the
-/// rows' entries in the offset tables, but not the pinhole image.
+/// Returns the number of bytes that the records in rows y_begin to y_end - 1 of `band` occupy in a sample
+/// file. Includes the entries of these rows in the file's tables of offsets. The file also stores a pinhole
+/// image, but its rows are not included.
 [[nodiscard]] std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compression,
                                          const RecordBand& band, int y_begin, int y_end);
 

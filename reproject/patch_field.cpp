@@ -25,8 +25,9 @@ struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
     bool gathered = false;  ///< whether `patches` contains the patches of the current piece
-    /// Whether this square of the image has so many surfaces seen by reflection or transmission that tracing
-    /// rays is faster than reprojecting these surfaces. Empty until computed.
+    /// Whether the current piece (the square of the image that is being drawn) shows so many surfaces by
+    /// reflection or transmission that tracing rays is faster than reprojecting these surfaces. Empty until
+    /// it is computed for this piece.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
@@ -45,8 +46,10 @@ struct Workplace {
 /// program checks whether the user has cancelled.
 constexpr std::size_t views_between_looks = 64;
 
-/// After this many views (images for one lens point and instant), reprojection of mirrors and glass is
-/// judged. If fewer than half of these samples were accurate, rays trace all later ones.
+/// Number of views (images for one lens point and instant) after which a trial ends. During the trial, the
+/// program counts the samples that show mirrors or glass, and those of them whose reflections and refractions
+/// the records determine accurately. If these are fewer than half, rays replace all samples of mirrors and
+/// glass in the later views.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -280,8 +283,10 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // The depths of this view are needed even if rays replace its colours: they decide which bright spots
-        // (`lights`) are hidden by surfaces.
+        // `drawn` tells whether the directly visible surfaces are reprojected to this view. This is usually
+        // not needed in a piece of the image whose colours are all replaced by rays. But the highlights
+        // (`lights`), which are drawn separately, need the depths of these surfaces, because nearer surfaces
+        // hide highlights.
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)

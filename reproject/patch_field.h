@@ -30,17 +30,21 @@ struct PatchView {
     struct Use {
         std::size_t instant = 0;
         double share = 1;  ///< weight of the colour at this instant if both instants show the same surface
-        /// For each group of objects that move alike: its motion on the raster, from the recorded instant to
-        /// the instant of the view. Empty if nothing moves.
+        /// Motions of the objects between two instants, as maps on the raster. Objects that move alike form a
+        /// group, and the vector has one map for each group. A map leads from the position at the recorded
+        /// instant `instant` to the position at the instant of this view. The vector is empty if nothing
+        /// moves.
         std::vector<RasterMap> motions;
     };
     std::vector<Use> uses;  ///< one or two
     LensShift lens;         ///< shift by the lens, applied after the motion
-    /// Returns whether light through this lens point reaches pixel (x, y), for vignetting. Blocked pixels are
-    /// black. If empty, no pixel is blocked.
+    /// Returns whether light through the lens point of this view reaches pixel (x, y). Vignetting blocks the
+    /// other pixels, so they are black in this view. If the function is empty, no pixel is blocked.
     std::function<bool(int x, int y)> passes;
-    // The rays that are traced for this view have this lens point, instant and random seed. See
-    // SightLine::lens, SightLine::light_before, SightLine::set and SightLine::view.
+    // Data of the rays that are traced for this view, because they replace some of its colours. `lens_point`
+    // is the point of the lens through which the rays pass. `light_before` is the fraction of the shutter's
+    // light before their instant. `set` and `number` number the view, and determine the random values of its
+    // rays. See the fields of SightLine.
     glm::dvec2 lens_point{0};
     double light_before = 0.5;
     std::uint32_t set = 0;
@@ -64,8 +68,10 @@ enum class LeftToRays : std::uint8_t {
 /// A set of views (images for one lens point and instant). Their mean is an image or a part of an image.
 struct PatchViews {
     std::vector<PatchView> views;
-    /// Each set draws its views in some squares of the image. Returns whether it draws them in the square
-    /// whose upper left pixel is (x, y). If this function is empty, they are drawn in all squares.
+    /// Squares of the image may use different sets of views, so that their noise is independent. This
+    /// function tells where this set is used: it returns whether its views are drawn in the square of `width`
+    /// x `height` px whose upper left pixel is (x, y). If the function is empty, they are drawn in all
+    /// squares.
     std::function<bool(int x, int y, int width, int height)> wanted;
     /// Adds highlights (small bright spots, which the lens blurs over many pixels) to the image. May be null.
     /// Called by several threads.
@@ -73,19 +79,22 @@ struct PatchViews {
     /// Ray tracer for samples that cannot be reprojected from the recorded surfaces, for instance at edges.
     /// If null, no rays are traced.
     const SightRays* rays = nullptr;
-    /// Returns what rays replace in the image square that contains pixel (x, y). Default: samples that the
-    /// records do not determine (LeftToRays::unsure).
+    /// Returns which samples rays replace in the square of the image that contains pixel (x, y). If the
+    /// function is empty, rays replace only the samples that the recorded surfaces do not determine, for
+    /// instance at edges (LeftToRays::unsure).
     std::function<LeftToRays(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
     /// Optional: selects views whose recorded colour in pixel (x, y) is compared with a traced ray, to
     /// measure its error. Appends their indices to `views`. Requires `rays`.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Optional: selects pixels in which traced rays towards the highlights measure the error of their light.
-    /// Returns the probability with which pixel (x, y) was selected, or 0 if it was not. Requires `checked`.
+    /// Optional: selects some pixels at random, in which the error of the highlights' light is measured. For
+    /// this, rays are traced from these pixels towards the highlights, and are compared with the light in the
+    /// image. Returns the probability with which pixel (x, y) was selected, or 0 if it was not selected.
+    /// Requires `checked`.
     std::function<double(int x, int y)> aimed;
-    /// Index of the output image, in the argument `out` of patch_field, that stores the mean of these views.
-    /// Several sets of views (PatchViews) may have the same index, if they draw different squares of the
-    /// image.
+    /// Index of the image in the argument `out` of patch_field to which this set belongs. The image stores
+    /// the mean of the set's views. Several sets may have the same index if each of them draws other squares
+    /// of this image (`wanted`).
     std::size_t picture = 0;
 };
 
@@ -94,8 +103,10 @@ struct PatchField {
     /// Objects that move alike form a group. Returns the number of an object's group. Needed only if objects
     /// move or `class_marks` is set.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// Bit mask of each group of objects (motion_class); 0 for a group at rest. PatchPicture::touched stores,
-    /// for each pixel, the bits of all groups that may change the pixel. If empty, `touched` is not computed.
+    /// Bit mask of each group of objects, with the index that `motion_class` returns. It is 0 for a group
+    /// that does not move. The masks tell in the result where motion matters: for each pixel,
+    /// PatchPicture::touched combines the masks of all groups that may change the pixel. If the vector is
+    /// empty, `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
     /// The image is divided into squares, which are drawn in parallel. `piece_px` is the edge of a square in
@@ -107,14 +118,15 @@ struct PatchField {
     /// Rectangle of pixels in the sample file, in raster px; the end is exclusive. Required if rays are
     /// traced.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// Half width and height of the lens, in m, times the film distance in px: the largest |x| and |y| of
-    /// LensShift::lens_px. Required if any set has `rays` or `lights`.
+    /// Half width and half height of the lens, in m, times film distance / pixel pitch, in px m. These are
+    /// the largest |x| and |y| that LensShift::lens_px, the lens point of a view, can have. Required if any
+    /// set has `rays` or `lights`, because these may use lens points other than those of the views.
     glm::dvec2 lens_reach_px{0};
 };
 
-/// The nearest surface in each pixel of an image square, for each view (image for one lens point and
-/// instant). If a view blends two recorded instants, only the surface of the first one, PatchView::uses[0],
-/// is stored.
+/// Stores which surface is nearest in each pixel of a square of the image, for each view (image for one lens
+/// point and instant). A view may be blended from two recorded instants. Then only the surface of the first
+/// instant, PatchView::uses[0], is stored.
 struct TileViews {
     int x = 0, y = 0, width = 0, height = 0;            ///< px of the image
     static constexpr std::size_t row = SeenTile::edge;  ///< stride from one row of a view to the next
@@ -138,9 +150,12 @@ class Lights {
     virtual ~Lights() = default;
     /// Returns whether light of any highlight reaches a rectangle of the image, in px.
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
-    /// Adds four values per pixel to `light`, in rows of TileViews::row pixels:
-    /// - 0 to 2: red, green and blue of the highlights;
-    /// - 3: the mean, over all lens points, of the square of the brightest channel.
+    /// Adds the blurred light of the highlights in a tile (square of the image) to `light`. It has four
+    /// values per pixel and rows of TileViews::row pixels. `views` contains the surfaces that may hide
+    /// highlights.
+    /// - 0 to 2: red, green and blue radiance of the highlights;
+    /// - 3: the square of the brightest channel of this radiance as seen from one lens point, averaged over
+    ///   all lens points.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
     /// A random ray from a pixel through the lens to a highlight.
@@ -158,8 +173,10 @@ class Lights {
                      std::vector<Line>& lines) const = 0;
 };
 
-/// Error of one pixel, measured in some views (images for one lens point and instant). A residual is a traced
-/// ray's radiance minus the recorded radiance. It is 0 if the view shows the ray's radiance itself.
+/// Error of the recorded colours in one pixel, measured in some views (images for one lens point and
+/// instant). In each of these views, a ray is traced, and the residual is its radiance minus the radiance
+/// that the view shows. If the view already shows the radiance of a ray instead of a recorded one, the
+/// residual is 0.
 struct PixelCheck {
     std::uint32_t views = 0;
     std::uint32_t rays = 0;      ///< all rays of the pixel, except HighlightCheck::aimed
@@ -175,8 +192,9 @@ struct HighlightCheck {
     std::array<float, 3> aimed_sum{};  ///< sum along the rays that are aimed at the highlights
     std::uint32_t aimed = 0;           ///< number of these rays
     float aimed_share = 0;             ///< the result of PatchViews::aimed
-    /// Returns the error of the highlights' light in this pixel: the mean of the traced rays towards
-    /// highlights, minus the light in the image. Returns 0 if no rays were traced.
+    /// Returns the error of the light that highlights (small bright spots, blurred by the lens) add to this
+    /// pixel. Rays traced from the pixel towards the highlights give the true light. The error is the mean of
+    /// these rays minus the light in the image. Returns 0 if no rays were traced.
     [[nodiscard]] double residual(std::size_t channel) const {
         return aimed > 0
                    ? static_cast<double>(aimed_sum[channel]) / aimed - static_cast<double>(light[channel])
@@ -193,19 +211,24 @@ struct PatchPicture {
     Image image;  ///< mean of all known samples of views; black if no sample is known
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
-    /// Per pixel: fraction of the views, by PatchView::weight, in which a reflection or refraction is
-    /// missing. If even its brightest recorded value is darker than the pixel, the view counts less.
+    /// For each pixel: the fraction of the views (images for one lens point and instant) in which a
+    /// reflection or refraction is missing. Each view counts by its PatchView::weight. A missing reflection
+    /// matters less if it is dark. Therefore, if its brightest recorded value b is darker than the pixel's
+    /// brightness p, the fraction is multiplied by b / p.
     std::vector<float> unknown_below;
     /// Per pixel: fraction of the views, by PatchView::weight, whose colour comes from a traced ray. Empty
     /// without a ray tracer.
     std::vector<float> traced;
     /// Per pixel: measured error of its colour. Empty unless PatchViews::checked is set.
     std::vector<PixelCheck> checks;
-    /// Per pixel: the light of highlights in the image, compared with traced rays. Empty without highlights,
-    /// or if PatchViews::checked is not set.
+    /// For each pixel: the light that highlights (small bright spots, blurred by the lens) add to the image,
+    /// and the mean of traced rays with which it is compared to measure its error. Empty if there are no
+    /// highlights, or if no pixels are selected for measuring errors because PatchViews::checked is empty.
     std::vector<HighlightCheck> highlight_checks;
-    /// Per pixel: the mean, over all lens points, of the squared radiance of the highlights (fourth value of
-    /// Lights::add). Empty if the image has no highlights.
+    /// For each pixel: the mean square of the highlights' radiance, from which their noise is predicted if
+    /// rays compute their light. Each lens point may see a different radiance, of which the brightest channel
+    /// is squared and averaged over all lens points. It is the fourth value of Lights::add. Empty if the
+    /// image has no highlights.
     std::vector<float> light_square;
     /// Per pixel: the bit masks (PatchField::class_marks) of all groups of objects whose motion may change
     /// the pixel's colour, combined. All bits are set where these groups are unknown.

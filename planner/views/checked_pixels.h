@@ -16,17 +16,21 @@ namespace postlens {
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
-    /// Divides an image of `width` x `height` px into blocks.
-    /// - `random_rays`: whether the colours of rays are noisy, for example because of area lights; more views
-    ///   are then checked
+    /// Divides an image of `width` x `height` px into blocks, in each of which two pixels are checked by
+    /// rays.
+    /// - `random_rays`: whether the radiances of rays are noisy, for example because of area lights. Then
+    ///   more views (images from different lens points) are checked in each of these pixels, so that the
+    ///   noise averages out.
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Chooses some lens points from which rays check the colour of pixel (x, y), and appends their indices
-    /// to `out`. They are chosen from `count` successive lens points of the sequence number `set`; index 0 is
-    /// the point number `first`.
+    /// Chooses the views in which a ray checks the colour of pixel (x, y). A view is the image from one lens
+    /// point. It is chosen among `count` views, whose lens points follow each other in a sequence, from point
+    /// number `first` on. `set` is the number of this sequence. Appends the indices of the chosen views to
+    /// `out`; index 0 is the point number `first`. Appends nothing if the pixel is not checked.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
-    /// Rays measure the error of the highlights in some pixels. Returns the probability with which pixel (x,
-    /// y) was chosen for this, or 0 if it was not chosen.
+    /// The error of the highlights is measured in some randomly chosen pixels, by rays that are aimed at the
+    /// highlights. Returns the probability with which pixel (x, y) was chosen, or 0 if it was not chosen. The
+    /// probability is larger for an image with more views: `views` is their number.
     [[nodiscard]] double aimed(int x, int y, int views) const;
 
   private:

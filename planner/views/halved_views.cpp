@@ -64,8 +64,10 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        // Image squares use different sets of lens points, and may need more points of them. `spans` maps
-        // each needed range [first, end) of points to the sets from which a square needs it.
+        // Each square of the image takes its lens points from one of several sets. A square may already have
+        // `first` points of its set and need more, up to the number `end`. `spans` collects these needs for
+        // all squares. Its key is the range of points [first, end), and its value lists the sets from which
+        // at least one square needs this range.
         std::map<std::pair<int, int>, std::set<int>> spans;
         for (int y = 0; y < grid_.height; y += by_field_.piece_px) {
             for (int x = 0; x < grid_.width; x += by_field_.piece_px) {

@@ -22,18 +22,22 @@ namespace postlens {
 /// samples: those at edges, and those without a recorded surface.
 class HalvedViews {
   public:
-    /// Ignores `focus.views` and `focus.method`. Throws the errors of hybrid_picture.
-    /// - `first_set`: the image uses 122 sets of lens points, numbered from `first_set` on; neighbouring
-    ///   squares of the image use different sets
+    /// Prepares to draw the views (images from single lens points) of a frame, but draws none yet.
+    /// `focus.views` and `focus.method` are ignored. Throws the errors of hybrid_picture.
+    /// - `first_set`: number of the first set of lens points. The image uses 122 sets, because each half has
+    ///   61 and neighbouring squares of the image use different ones. With another `first_set`, the noise is
+    ///   independent.
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
     /// Draws more views (images from single lens points) until each tile of `grid()` has `views[tile]` of
-    /// them. Each half of the image gets half of them; half 0 may get one more. The result is bit-identical
+    /// them. The views are divided between two independent estimates of the whole image, its halves, which
+    /// get equal numbers of views. If the number is odd, half 0 gets one more. The result is bit-identical
     /// for any number of threads.
     void draw(const std::vector<int>& views);
-    /// In the tiles with a nonzero entry in `tiles`, rays replace all recorded colours, also in views drawn
-    /// later. Returns whether a tile was redrawn.
-    /// - `what`: whether rays also replace highlights, which the point spread function otherwise spreads
+    /// Makes rays replace all recorded colours in some tiles: those with a nonzero entry in `tiles`. The
+    /// existing views of these tiles are drawn again with rays, and views that are added later also use rays.
+    /// Returns whether any tile was drawn again; this is false if all these tiles used such rays before.
+    /// - `what`: whether rays also replace the highlights, which the point spread function otherwise spreads
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
@@ -70,8 +74,9 @@ class HalvedViews {
     std::vector<FieldFocus> spare_;  ///< images whose memory the next draw() uses again
 };
 
-/// Returns the image that `views` has drawn, the number of rays and the fraction of traced samples.
-/// HybridResult::stated, the image's error, remains empty.
+/// Returns the image that is the mean of all views in `views`, with the number of traced rays and the
+/// fraction of samples that rays replaced. HybridResult::stated, the measured error of the image, remains
+/// empty, because the caller measures it.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

@@ -52,7 +52,8 @@ std::string checked_camera(const SampleHeader& h, const Scene& scene) {
 
 void check_request(const SampleFileReader& file, const HybridSettings& settings, const std::string& method) {
     const SampleHeader& h = file.header();
-    // The image is made from points of a lens. An orthographic camera has no lens, so its files are refused.
+    // The image is made from views, each of which shows the scene from one point of a lens. An orthographic
+    // camera has no lens. Therefore, files that were traced with such a camera are refused.
     if (h.projection == Projection::orthographic) {
         fail(ExitCode::wrong_arguments,
              "{}: rays and views need a perspective camera (got an orthographic sample file)",

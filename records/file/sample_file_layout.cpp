@@ -7,8 +7,9 @@
 namespace postlens::layout {
 namespace {
 
-/// The fields of a row of the file's part `scanlines`, in file order. Each row summarises one row of records.
-/// Each field is a channel: z_far is the channel Z.far.
+/// One row of `scanlines`, a part of the sample file that summarises the part `records` (surface hits) row by
+/// row. The fields stand in the order in which the file stores them. Each field is a channel of the part, and
+/// has its name except that `z_far` is the channel Z.far.
 struct RowFields {
     float z_far, z_near;
     std::uint32_t checksum_hi, checksum_lo, picture_hi, picture_lo, records, row_check;
@@ -85,8 +86,9 @@ Window display_window(const SampleHeader& header) {
 Window data_window(Part part, const SampleHeader& header) {
     const int o = header.overscan_px;
     if (part == picture_part) return display_window(header);
-    // Records (surface hits) also lie at the right and lower borders of the image. So they have one more
-    // column and row than the image.
+    // Records (surface hits) lie at the corners of pixels, and therefore also at the right and lower borders
+    // of the image. So their data window has one more column and one more row than the image with its
+    // overscan.
     if (part == records_part) return {-o, -o, header.width + o, header.height + o};
     return {0, -o, 0, header.height + o};
 }

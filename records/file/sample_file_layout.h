@@ -16,8 +16,9 @@ namespace postlens::layout {
 enum Part : int { picture_part, records_part, scanlines_part, parts_of_first_instant };
 inline constexpr std::array<const char*, parts_of_first_instant> part_types{"scanlineimage", "deepscanline",
                                                                             "scanlineimage"};
-/// Returns the index of a part in the file. The pinhole image is part 0. Two parts for each instant follow:
-/// `records` and `scanlines`.
+/// Returns the index of a part in the sample file. Part 0 is the pinhole image, of which there is only one.
+/// The parts `records` and `scanlines` of instant 0 follow as parts 1 and 2, then those of instant 1, and so
+/// on.
 [[nodiscard]] inline int part_index(Part part, std::size_t instant) {
     return static_cast<int>(part) + (part == picture_part ? 0 : 2 * static_cast<int>(instant));
 }

@@ -84,9 +84,10 @@ struct SampleFileReader::Impl {
     void check_record_count() const;
     /// Reads a row of records into `work.row`.
     void read_alone(std::size_t instant, int y, Workplace& work) const;
-    /// Replaces the records of row y, which are damaged, by samples that hit nothing. They lie at the corners
-    /// of the row's pixels. If the row above is intact, they also lie at corners of quadtree cells on its
-    /// lower edge.
+    /// Makes records that replace those of row y, which are damaged. They are samples of rays that hit
+    /// nothing. They lie at the upper left corner of each pixel of row y. The lower corners of row y - 1's
+    /// quadtree cells also lie in row y. So if row y - 1 is intact, these corners get such samples, too;
+    /// otherwise its quadtrees would be incomplete.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;
     void place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                          RecordBand& band) const;

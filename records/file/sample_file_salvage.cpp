@@ -82,8 +82,9 @@ void SampleFileReader::Impl::find_stand_ins(std::size_t instant, int y, Workplac
 void SampleFileReader::Impl::place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                                              RecordBand& band) const {
     find_stand_ins(instant, y, work);
-    // A damaged row gets records of rays that hit nothing. They were counted when the file was opened. If
-    // there are more or fewer now, the file has changed.
+    // Row y is damaged, so its records are replaced by `work.stand_ins`, records of rays that hit nothing.
+    // Their number follows from the row above, and was computed when the file was opened. If it is different
+    // now, the row above has changed, so the file was modified while it was read.
     if (work.stand_ins.size() != instants[instant].facts[row_index(y)].records)
         fail_damaged(y, "the file changed while it was read");
     std::copy(work.stand_ins.begin(), work.stand_ins.end(), band.records.begin() + base);

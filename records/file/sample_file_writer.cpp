@@ -166,8 +166,9 @@ Bytes SampleFileWriter::Impl::picture_planes(int y_begin, int y_end) const {
     return bytes;
 }
 
-/// Computes row y of the pinhole image. `band` must contain the records of rows y and y + 1, in which the
-/// pixels' corners lie.
+/// Computes row y of the pinhole image. A pixel's colour is the mean over its corners, where the records
+/// (surface hits) lie. The upper corners belong to row y of the records and the lower ones to row y + 1.
+/// Therefore, `band` must contain both rows.
 void SampleFileWriter::Impl::compute_picture_row(const RecordBand& band, int y) {
     if (instant > 0 || y < 0 || y >= header.height) return;
     const std::span<float> rgb(picture.pixel(0, y), static_cast<std::size_t>(header.width) * 3);

@@ -133,8 +133,10 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
                      sample_across = side.across ? at.sample.x : at.sample.y;
         const auto mark_cell = [&](const Seen& s, double along) {
             if (along < begin - 2 || along > end + 2) return;
-            // The outline of the surface may cross the image border obliquely. So pixels up to 1 px before
-            // and after the surface's position along the border are marked too.
+            // The view shows the border pixel of the recorded image at the position `along`. From there, the
+            // surface is assumed to continue outside the recorded image. Its outline may cross the border
+            // obliquely. So pixels up to 1 px before and after this position, in the direction of the border,
+            // are marked too.
             const int a0 = std::max(0, static_cast<int>(std::ceil(along - 1 - begin - sample_along))),
                       a1 = std::min(static_cast<int>(end - begin) - 1,
                                     static_cast<int>(std::floor(along + 1 - begin - sample_along)));

@@ -49,8 +49,9 @@ class BorderReach {
         int first = 0;        ///< position of the first cell along the side, raster px
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Largest displacement, over all views, of the surfaces at this border: `deepest_px` from the border
-        /// into the image, `sideways_px` along the border.
+        /// Largest displacement of the surfaces at this side of the recorded image, from their recorded
+        /// positions to their positions in any view. `deepest_px` is the part perpendicular to the side, into
+        /// the image. `sideways_px` is the part along the side.
         double deepest_px = 0, sideways_px = 0;
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
         void widen(const TimeSpanViews& span, const LensReach& lens);

@@ -8,8 +8,10 @@
 namespace postlens {
 namespace {
 
-/// Number of rays per pixel towards highlights. Four test rays decide: 28 further rays if their radiances
-/// differ, otherwise 4. The mean excludes the test rays, because they would bias it.
+/// Numbers of rays that measure the highlights' light in a pixel. First, `few_rays` test rays are traced
+/// towards the highlights. If their radiances differ, `many_rays` further rays measure the light, because
+/// their mean is noisy; otherwise `few_rays` further rays suffice. The mean excludes the test rays: they
+/// decided the number of rays, so including them would bias it.
 constexpr int few_rays = 4, many_rays = 28;
 /// The radiances of a pixel's rays differ if, in some colour channel, greatest minus least exceeds this
 /// fraction of the greatest.

@@ -18,9 +18,10 @@ class CheckedHighlights {
   public:
     std::vector<HighlightCheck> sums;  ///< per pixel
 
-    /// Measures the error of `light`, the highlights' light in the image, by tracing rays towards the
-    /// highlights. Stores the result in `sums`. Test rays decide how many rays each pixel needs; `checks`
-    /// only counts these test rays.
+    /// Measures the error of `light`, the light that highlights add to the image, in the pixels that
+    /// PatchViews::aimed selects. In each of these pixels, test rays towards the highlights first decide how
+    /// many rays are needed. Their number is added to `checks`. Then the rays that measure the light are
+    /// traced. `sums` receives their sum and number.
     void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 

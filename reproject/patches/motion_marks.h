@@ -13,8 +13,9 @@
 
 namespace postlens {
 
-/// Determines which groups of moving objects may change each pixel. Each group has a bit mask
-/// (PatchField::class_marks). The result for a pixel combines the masks of its groups.
+/// Determines for each pixel which moving objects may change it. Objects that move alike form a group, and
+/// each group has a bit mask (PatchField::class_marks). The result for a pixel is the bitwise or of the masks
+/// of all groups that may change it.
 class MotionMarks {
   public:
     /// Per pixel of a tile, PatchPicture::touched.
@@ -29,12 +30,16 @@ class MotionMarks {
     /// Returns whether any of the given patches (parts of visible surfaces) belongs to a wanted object. An
     /// object is wanted if its bit mask (PatchField::class_marks) has a bit of PatchField::wanted_marks.
     [[nodiscard]] bool any_wanted(std::size_t instant, std::span<const std::uint32_t> patches) const;
-    /// Marks the pixels of a tile in which a moving object was recorded: at other instants, the object leaves
-    /// these pixels and uncovers the background. `mesh` holds the visible surfaces in the tile.
+    /// Marks the pixels of a tile in which a moving object was recorded at the instant number `instant`. At
+    /// other instants of the exposure, the object leaves these pixels and uncovers what lies behind it.
+    /// Therefore, its motion may change them. `mesh` contains the visible surfaces in the tile. The marks are
+    /// added to `touched`.
     void mark_recorded(std::size_t instant, const PatchMesh& mesh, const TilePlace& at,
                        Touched& touched) const;
-    /// Marks the pixels in which the view `v` shows a moving object or no recorded surface. `seen` holds the
-    /// surfaces that `v` shows. It has one element per element of PatchView::uses, i.e. one or two.
+    /// Marks the pixels in which the view `v` shows a moving object. In pixels in which `v` shows no recorded
+    /// surface, all bits are set, because any object may appear there. A view is made from one recorded
+    /// instant or blended from two (PatchView::uses). `seen` is an array with the surfaces that it shows, one
+    /// element for each of these instants.
     void mark_seen(const PatchView& v, const TilePlace& at, const SeenTile* seen, Touched& touched) const;
 
   private:

@@ -14,8 +14,9 @@ namespace postlens {
 /// While an object moves, the image of a part of its surface is stretched and bent. Computes the most severe
 /// such distortion during the exposure (MotionStrain). Used as PatchLens::motion.
 struct StrainOfMotions {
-    /// Objects that move alike form a group. views[i][g] is the motion of group g from the recorded instant
-    /// to the i-th of about `strain_views` instants of the exposure.
+    /// Motions of the objects during the exposure, as maps on the raster. Objects that move alike form a
+    /// group, whose number is g. The exposure is sampled at about `strain_views` instants, whose number is i.
+    /// views[i][g] maps the position of group g at the recorded instant to its position at instant i.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 

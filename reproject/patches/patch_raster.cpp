@@ -23,8 +23,9 @@ constexpr double smallest_area = 1e-6;
 constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
-/// The pixels of a tile that a patch may cover, each with one sample. In coordinates of the patch, sample i
-/// of pixel row j lies at first(j) + i * (by_x, by_y).
+/// The pixels of a tile that a patch (planar part of a surface) may cover, row by row. The view has one
+/// sample in each pixel. In the coordinates of the patch, the first sample of pixel row j lies at first(j),
+/// and each following sample lies (by_x, by_y) farther. So sample i lies at first(j) + i * (by_x, by_y).
 struct Run {
     glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
     glm::dvec2 origin{0};  ///< raster px of sample (0, 0)
@@ -75,8 +76,10 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 // sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Tests `lanes` samples of an image row. Bit n of the result is set if the patch covers sample `begin` + n
-/// and is nearer there than the surface drawn before, whose inverse depth is there[n].
+/// Tests which of `lanes` successive samples of an image row a patch covers. `there` contains the inverse
+/// depths of the surfaces that were drawn before. Bit n of the result is set if the patch covers sample
+/// `begin` + n and is nearer than the surface there, whose inverse depth is there[n]. `lane` receives the
+/// positions and inverse depths of the samples.
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
@@ -144,7 +147,9 @@ POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t
     }
 }
 
-/// The pixels of a tile in which a patch is drawn: all, or those for which `in` holds the number `id`.
+/// The pixels of a tile in which a patch is drawn. If `in` is null, these are all pixels. Otherwise, `in`
+/// stores a number for each pixel, for example the id of the mirror that the pixel shows, and the patch is
+/// drawn only in pixels whose number is `id`.
 struct Where {
     const std::uint32_t* in = nullptr;
     std::uint32_t id = 0;
@@ -183,9 +188,11 @@ POSTLENS_VERSION("arch=x86-64-v3") void draw_rows(const Run& run, const Where& w
     draw_runs(run, where, seen);
 }
 
-/// Draws the samples in undivided pixels together, because AVX-512 can read and write any subset of lanes.
-/// Returns the set bits of `found` that remain. Its registers are as wide as those with which find_samples
-/// wrote `lane`: loading one wide register from two narrow stores would stall.
+/// Draws those samples of `found` (one bit per sample) whose pixel is a single quadtree cell, so that its
+/// colour needs no search. AVX-512 can read and write any subset of a register's elements, so all of them are
+/// drawn at once. Returns the bits of the other samples. The registers must be as wide as those with which
+/// find_samples stored `lane`. Otherwise, one wide load would depend on two narrow stores, and the processor
+/// would wait for them.
 template <int lanes>
 POSTLENS_VERSION("arch=x86-64-v4")
 POSTLENS_PART std::uint32_t
@@ -330,8 +337,9 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
     wanted.any_gaps = false;
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
-        // Clears the tile's whole row of pixels, even outside `part`, because draw_patch_in reads each row
-        // from the tile's left border on.
+        // Clears the tile's whole row of pixels, and not only the pixels in `part`. The surfaces are drawn by
+        // draw_patch_in, which reads and tests each row from the tile's left border on. The infinite inverse
+        // depth prevents drawing outside the wanted pixels.
         std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
         std::fill_n(out.maybe_inverse_z.data() + row, SeenTile::edge, SeenTile::nothing);
@@ -360,8 +368,10 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     const double torn = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     if (!(torn <= largest_torn_px) || !(std::abs(glm::determinant(m)) > smallest_area)) return;
     const std::uint32_t parent_id = mesh.sheet(patch).key.parent_id;
-    // Where a row starts affects the rounding of its sample positions. So every row starts at the tile's left
-    // border, even if only pixels farther right are needed.
+    // The pixels of the tile are drawn in rows. The positions of the samples in a row are computed from that
+    // of its first sample, so their rounding depends on where the row starts. Therefore, every row starts at
+    // the tile's left border, even if only pixels farther right are needed. So the result does not depend on
+    // `part`.
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;

@@ -19,8 +19,9 @@ struct SeenTile {
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
     static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
-    /// Bit in the elements of `texel`. It marks a reflection or refraction that cannot be reprojected
-    /// accurately, because its image moves too nonlinearly with the lens point (Patch::bent).
+    /// Bit of a pixel's element in `texel`, the array that stores which recorded colour each pixel shows. If
+    /// it is set, the pixel shows a reflection or refraction that cannot be reprojected accurately, because
+    /// its image moves too nonlinearly with the lens point (Patch::bent).
     static constexpr std::uint32_t bent = 0x80000000U;
 
     /// Padding for SIMD code, which reads 16 values at a time, even beyond the end of the last row.
@@ -28,8 +29,9 @@ struct SeenTile {
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// For each pixel: inverse depth, in 1/m, of the nearest surface that may or may not cover the pixel,
-    /// because its exact edge is unknown (SheetNode::maybe). -1 if there is none.
+    /// For each pixel: inverse depth, in 1/m, of the nearest surface that possibly covers the pixel. The
+    /// records contain no exact edges. Where an edge may lie, a cell of the surface is marked
+    /// SheetNode::maybe, and this inverse depth is stored instead of drawing the cell. -1 if there is none.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -78,8 +80,9 @@ struct TilePart {
 class PixelBlocks {
   public:
     void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
-    /// Returns whether the rectangle [x0, x1] x [y0, y1], in px of the tile, touches any block of 8 x 8 px
-    /// with a pixel passed to `add`.
+    /// Returns whether a rectangle may contain a pixel of the set, to which `add` adds pixels. The set stores
+    /// only which blocks of 8 x 8 px contain such pixels. So the result is whether the rectangle [x0, x1] x
+    /// [y0, y1], in px from the tile's corner, touches any of these blocks.
     [[nodiscard]] bool any_in(float x0, float x1, float y0, float y1) const {
         constexpr auto end = static_cast<float>(SeenTile::edge);
         if (!(x1 >= 0 && x0 < end && y1 >= 0 && y0 < end)) return false;
@@ -112,8 +115,9 @@ struct WantedPixels {
         in{};       ///< for each pixel that needs the surface, id of the object that reflects or transmits it
     TilePart part;  ///< bounding box of these pixels; empty if there are none
     PixelBlocks blocks;
-    /// The mirror or glass may be missing in a pixel, because it was not recorded. Then `any_gaps` is true,
-    /// and `in` stores in_gap(id of the object in which the mirror or glass would be seen).
+    /// Whether the mirror or glass is not recorded in some of these pixels. There, the nearest visible object
+    /// in which it would be seen is known. So for such a pixel, the array `in` stores in_gap(id of this
+    /// object) instead of the id of an object that reflects or transmits.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
@@ -129,13 +133,15 @@ struct WantedPixels {
 void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
-/// Finds the pixels whose mirror or glass has a reflection or refraction that is drawn as a separate surface.
-/// Returns the bounding box of these pixels, in px of the tile.
+/// Finds the pixels that show a mirror or glass with a reflection or refraction that is drawn as a separate
+/// surface. The mirror or glass is the parent of this surface in the shading tree. Returns the bounding box
+/// of these pixels, in px from the tile's corner.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
-/// Draws a patch that is seen in a mirror or through glass into the pixels of `wanted`, with a depth test.
-/// Leaves out a patch that reprojection magnifies more than `largest_torn_px` times. `out` must come from
-/// find_wanted.
+/// Draws a patch (planar part of a surface) that is seen in a mirror or through glass. It is drawn, with a
+/// depth test, only in the pixels of `wanted` that show its mirror or glass. `wanted` and `out` must come
+/// from find_wanted. A patch that reprojection magnifies more than `largest_torn_px` times is left out,
+/// because its map is then too inaccurate.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

@@ -8,8 +8,10 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     const glm::dvec2 corner = mesh.corner(patch);
     const double half_x = patch.width / 2.0, half_y = patch.height / 2.0;
     const bool has_w = mesh.sheets->has_w();
-    // The 2x2 matrix W describes how a surface point's image moves with the lens point. For directly visible
-    // surfaces, W is the unit matrix times the inverse depth p[0], so it is not stored.
+    // `p` holds the linear functions that the patch stores, of which p[0] is the inverse depth. `xx` to `yy`
+    // are the entries of the 2x2 matrix W, which describes how a surface point's image moves with the lens
+    // point. For a directly visible surface, W is the unit matrix times the inverse depth. Therefore, W is
+    // stored only for reflections and refractions (`has_w`).
     const CellPlane nothing, &xx = has_w ? p[1] : p[0], &xy = has_w ? p[2] : nothing,
                              &yx = has_w ? p[3] : nothing, &yy = has_w ? p[4] : p[0];
     const auto middle = [&](const CellPlane& w) {
@@ -26,8 +28,9 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     out.xy = static_cast<float>(middle(xy));
     out.yx = static_cast<float>(middle(yx));
     out.yy = static_cast<float>(middle(yy));
-    // The rectangle is widened by 0.25 px, because neighbouring patches overlap, and by 1e-6 of its position
-    // and displacement, because these values are rounded.
+    // `margin` is added to each side of the patch's bounding rectangle. Patches are drawn slightly larger so
+    // that neighbours overlap; 0.25 px is more than enough for this. Positions and displacements are rounded,
+    // so 1e-6 of them is added, too.
     const auto margin = [&](double at, float by_x, float by_y) {
         return 0.25 + 1e-6 * (std::abs(at) + shift_px + std::abs(static_cast<double>(by_x)) * farthest_px.x +
                               std::abs(static_cast<double>(by_y)) * farthest_px.y);

@@ -1,5 +1,6 @@
-// Bounds the position of a patch (planar part of a surface) in every view, to quickly exclude patches outside
-// a tile.
+// Computes a rectangle that contains a patch (planar part of a surface) in each view. A view is the image
+// from one lens point. The rectangle is computed quickly, and excludes patches outside a tile before they are
+// drawn.
 #pragma once
 
 #include <cmath>
@@ -31,9 +32,11 @@ struct PatchReach {
     }
 };
 
-/// Prepares PatchReach for a patch (planar part of a surface): where its image may lie, for any lens point.
+/// Returns the data from which the rectangle that contains the image of a patch (planar part of a surface) is
+/// quickly computed for any lens point.
 /// - `farthest_px`: largest |x| and |y| of the lens points (LensShift::lens_px)
-/// - `shift_px`: largest displacement of the image of infinitely distant points
+/// - `shift_px`: largest displacement, over all lens points, of the image of an infinitely distant point. It
+///   makes the rectangle slightly larger, because positions are rounded.
 [[nodiscard]] PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dvec2& farthest_px,
                                      double shift_px);
 

@@ -20,8 +20,8 @@ class PatchSweep {
   public:
     /// Keeps a reference to `field`.
     explicit PatchSweep(const PatchField& field);
-    /// Returns the rectangle that contains the patch in all views, in raster px. It is empty if no view uses
-    /// the recorded instant.
+    /// Returns the rectangle, in raster px, that contains the patch in all views that use the recorded
+    /// instant number `instant`. It is empty if no view uses this instant.
     [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
 
   private:

@@ -21,9 +21,10 @@ constexpr double most_back = 0.02;
 /// counts.
 constexpr double coarse_from_px = 6;
 
-/// A surface stores `values` linear functions of the position for each of its pixels: inverse depth and, for
-/// reflections, W. For several pixels, fits one such set by least squares, at four points of each pixel,
-/// +-1/4 px from its centre.
+/// A surface stores, for each of its pixels, `values` linear functions of the position: the inverse depth
+/// and, for reflections and refractions, the four entries of the matrix W. This class fits one such group of
+/// functions to several pixels by least squares. The fitted values are those at four points of each pixel,
+/// which lie +-1/4 px from its centre in x and y.
 template <std::size_t values>
 class Fit {
   public:
@@ -53,9 +54,10 @@ class Fit {
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
-    /// Returns the largest difference between the functions fitted to all pixels and those of this pixel, at
-    /// four points. Compares only values that determine positions: W (motion with the lens point) if stored,
-    /// otherwise inverse depth.
+    /// Returns how well the fit represents pixel (x, y). `planes` holds the linear functions that the pixel
+    /// stores. They are compared with the fitted functions at the four points of the fit, and the largest
+    /// difference is returned, in 1/m. Compares only values that determine positions: W (motion of the image
+    /// with the lens point) if it is stored, otherwise the inverse depth.
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
         for (std::size_t i = first_moving; i < values; ++i) {
@@ -107,8 +109,9 @@ class Cutter {
         return s.first_cell + static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) +
                static_cast<std::size_t>(x);
     }
-    /// Calls `visit` for each pixel of a rectangle in which the surface is present. Stops and returns false
-    /// as soon as `visit` returns false; otherwise returns true.
+    /// Visits those pixels of a rectangle in which the current surface is present, because other surfaces may
+    /// cover the rest. Calls `visit` for each of them. If `visit` returns false, stops and returns false;
+    /// otherwise returns true.
     template <typename Visit>
     bool each_cell(int x0, int y0, int width, int height, const Visit& visit) const {
         for (int y = y0; y < y0 + height; ++y) {
@@ -163,8 +166,9 @@ class Cutter {
 
     [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
                                          const Fit<values>& fit) const {
-        // Tests only directly visible surfaces, which store one value per pixel, for distortion by motion.
-        // Surfaces in mirrors or glass store five.
+        // Distortion by motion is computed only for directly visible surfaces. These are recognised by their
+        // number of stored linear functions: `values` is 1 for a directly visible surface (inverse depth),
+        // and 5 for a surface in a mirror or glass (inverse depth and the four entries of W).
         if (values != 1 || !lens_.motion) return {};
         const Sheet& s = sheets_.sheets[sheet_];
         const glm::dvec2 half(width / 2.0, height / 2.0);
@@ -186,8 +190,10 @@ class Cutter {
         each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
             divided = divided || (roots[k] & SheetNode::leaf) == 0;
             if constexpr (values == 5) {
-                // `bend`, the nonlinearity of the image's motion with the lens point, may be infinite. Its
-                // product with 0 is NaN, which the negated comparison counts as nonlinear.
+                // `bend` is the error of the assumption that the image moves linearly with the lens point. It
+                // may be infinite. Its product with `bend_px_m2` is NaN if `bend_px_m2` is 0, as for a
+                // pinhole. A comparison with NaN is false, so the negated comparison sets `p.bent`, as for a
+                // large error.
                 const auto bend = static_cast<double>(sheets_.bends[k]);
                 p.bent = p.bent || !(lens_.bend_px_m2 * bend <= most_bend_px);
             }
@@ -197,9 +203,10 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // A hidden surface must not show through the surface in front. So depth tests treat it as farther
-            // away, by both surfaces' depth errors, 2 * within. With a small aperture, `within` is huge, so
-            // this distance is limited.
+            // This patch lies behind another surface. `within`, in 1/m, is the largest error of a patch's
+            // inverse depth. Because both surfaces may have this error, the hidden patch could show through
+            // the surface in front. Therefore, depth tests treat the hidden patch as farther away by 2 *
+            // within. With a small aperture, `within` is huge, so this amount is limited to `most`.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
         }
@@ -225,9 +232,10 @@ PatchLens patch_lens(const FocusGeometry& geometry) {
 }
 
 double PatchLens::least_blur_px(const Mat2& w) const {
-    // If the lens point moves by q, the surface point's image moves by (I / s - w) q (I: unit matrix; s:
-    // focus distance; w: matrix W). So a circular lens gives an elliptical image. The smaller singular value
-    // of I / s - w gives its smaller semi-axis.
+    // The 2x2 matrix W (`w`) describes how the surface point's image moves with the lens point. Relative to
+    // the film, which is focused at the distance s, the image moves by (I / s - w) q if the lens point moves
+    // by q; I is the unit matrix. So all points of a circular lens together blur the point to an ellipse. The
+    // smaller singular value of I / s - w gives its smaller semi-axis.
     const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
                  c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
     // std::hypot would be slower, and this code runs for every pixel of every surface. Overflow cannot happen
@@ -365,8 +373,9 @@ struct Nearer {
                      high = z.x + std::max(across, 0.0) + std::max(down, 0.0);
         if (high <= nearest_per_m) return;
         // Rays from the bright point through this part of a surface project the part onto the pixels. The
-        // projection is singular at the point's own depth and far from linear close to it, so parts there are
-        // divided.
+        // projection magnifies infinitely at the depth of the bright point, and is far from linear near this
+        // depth. But a part is projected by a linear map. Therefore, a part is divided unless, at all of its
+        // points, the difference in inverse depth from the bright point is equal within a factor of 2.
         const bool is_cell = part.width == 1 && part.height == 1;
         if (is_cell || high - light_per_m <= 2 * (low - light_per_m)) {
             PlacedPatch placed{part, {}};

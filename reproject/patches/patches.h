@@ -16,8 +16,9 @@
 
 namespace postlens {
 
-/// Largest effects of motion during the exposure on the image of a patch (part of a surface). `px_m`:
-/// displacement caused by an error of inverse depth; `bend_px`: deviation of the motion from an affine map.
+/// Largest effects of motion during the exposure on the image of a patch (planar part of a surface). `px_m`
+/// tells how far the image is displaced per error of the patch's inverse depth, in px m. `bend_px`
+/// tells how far, in px, the motion deviates from the affine map that reprojects the patch.
 struct MotionStrain {
     double px_m = 0;     ///< RasterTangent::by_depth
     double bend_px = 0;  ///< RasterTangent::bend_px
@@ -38,8 +39,9 @@ struct PatchLens {
     double exact_px = 0.1;
     /// Each patch is drawn this many px larger on every side, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
-    /// Returns how much motion during the exposure distorts a part of a surface, at most. Empty if nothing
-    /// moves.
+    /// Returns the largest effects of motion on a part of a surface during the exposure (MotionStrain): the
+    /// displacement per error of inverse depth, and the deviation of the motion from an affine map, in px.
+    /// Empty if nothing moves.
     /// - `middle`: centre of the part
     /// - `slope`: gradient of the part's inverse depth, per px
     /// - `reach`: half width and height of the part, in px
@@ -83,8 +85,10 @@ struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
-    /// For each patch, linear functions of the position (px from the patch's corner): inverse depth and, if
-    /// stored, the entries xx, xy, yx and yy of the matrix Record::w.
+    /// Each patch has one or five linear functions of the position, in px from the patch's corner. The first
+    /// is the inverse depth. The others are the entries xx, xy, yx and yy of the matrix Record::w, which
+    /// describes how the image moves with the lens point. They are stored only for surfaces in mirrors and
+    /// glass.
     std::vector<CellPlane> planes;
     /// For each sheet (part of a surface): bits (child_bit) that tell whether its reflection and its
     /// refraction move with it, as if painted on it, instead of as separate surfaces. PatchLens::follow_px
@@ -104,8 +108,9 @@ struct PatchMesh {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
     }
-    /// Some reflections and refractions are drawn as if painted on the mirror or glass, not as separate
-    /// surfaces. Returns their radiance in a recorded colour, `texel`.
+    /// `texel` is the number of a recorded colour of a mirror or glass. Its reflection and refraction may
+    /// move so similarly to the mirror or glass that they are drawn with it, as if painted on it, instead of
+    /// as separate surfaces. Returns the radiance of those for which this is so.
     [[nodiscard]] std::array<float, 3> following(std::uint32_t texel) const {
         std::array<float, 3> rgb{};
         const Texel& t = sheets->texels[texel];
@@ -152,8 +157,9 @@ struct PatchMesh {
 /// different lens point.
 struct PointRays {
     glm::dvec2 at{0};  ///< the scene point, raster px
-    /// The ray from the scene point to a pixel passes through a lens point. Maps the pixel's offset from
-    /// `at`, in px, to this lens point, in units of LensShift::lens_px.
+    /// Matrix that gives the lens point through which the ray to a pixel passes. It maps the pixel's offset
+    /// from `at`, in px, to this lens point, in units of LensShift::lens_px (lens point in m times film
+    /// distance / pixel pitch).
     glm::dmat2 lens_px_per_px{0};
     double inverse_focus_per_m = 0;
 };
@@ -167,9 +173,9 @@ struct PlacedPatch {
     Patch patch;
     PatchPlace place;
 };
-/// Parts of a patch (planar part of a surface) may hide a bright point of inverse depth `light_per_m`.
-/// Appends to `out` those parts whose inverse depth exceeds `nearest_per_m`, which must be at least
-/// `light_per_m`.
+/// A bright point has the inverse depth `light_per_m`, in 1/m. Finds the parts of a patch (planar part of a
+/// surface) that may hide it, because they are nearer to the camera. A part counts as nearer if its inverse
+/// depth exceeds `nearest_per_m`. This limit must be at least `light_per_m`. Appends these parts to `out`.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 
