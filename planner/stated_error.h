@@ -33,8 +33,10 @@ struct StatedError {
     [[nodiscard]] static double width_db(double mse, double variance);
 };
 
-/// Returns the error of an image and its 95 % interval. `measured` compares two halves of the views of which
-/// the image is the mean. The interval assumes that the logarithm of the error is normally distributed.
+/// Returns the error of an image and its 95 % interval. The image is the mean of views (images from different
+/// lens points), which form two independent halves. `measured` contains the noise, found by comparing these
+/// halves, and the error of the records, found by tracing rays. The interval assumes that the logarithm of
+/// the error is normally distributed.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured);
 
 }  // namespace postlens

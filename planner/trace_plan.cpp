@@ -63,8 +63,9 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
     out.grid = {h.width * coarser, h.height * coarser};
     out.tiles.resize(out.grid.count(), ByLevel{});
     FocusFrame frame(file);
-    // The preview's pixels are `coarser` times as wide as those of the planned trace. `px` is the width of a
-    // pixel of the planned trace, in preview pixels.
+    // The planned trace is predicted from a preview, a trace whose pixels are `coarser` times as wide as
+    // those of the planned trace. Lengths in the preview's file are in preview pixels. `px` is the width of a
+    // pixel of the planned trace in this unit.
     constexpr double px = 1.0 / coarser;
     const int last = file.y_end() - 1;  // the last row of samples has no pixels below it
     frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
@@ -160,8 +161,9 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const FocusGeometry geometry = geometry_of(asked, camera).value_or(FocusGeometry{});
     const Look look = look_at(file, geometry);
 
-    // The target allows a squared error, of which half is left for the noise due to a limited number of lens
-    // points. The sample file may cause up to `most_mse`, the other half.
+    // An image made from the sample file has two errors: that of the file's samples, and the noise due to a
+    // limited number of lens points. Half of the squared error that the target allows is left for the noise.
+    // `most_mse` is the other half, which the file may cause.
     const double most_mse = std::pow(10.0, -target_db / 10) / 2;
     out.levels = -1;
     for (std::size_t level = 0; level <= most_levels; ++level) {
@@ -200,8 +202,9 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        // If CoC diameters in the scene differ by less than half a pixel, the lens cannot look visibly past
-        // edges, so no hidden surfaces are needed.
+        // `reach_px` limits how far the lens can look past an edge, that is, how much the diameters of
+        // circles of confusion differ in the scene. If they differ by less than half a pixel, the lens sees
+        // no visible part of a hidden surface. Therefore, none is recorded.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

@@ -12,11 +12,13 @@ namespace postlens::api {
 
 /// Settings of `compare`.
 struct CompareSettings {
-    /// A second, independent render of the reference (`--noise`). The difference between `noise` and the
-    /// reference shows how noisy the reference is.
+    /// A second render of the reference with independent noise (`--noise`). The difference between this
+    /// render and the reference shows how noisy the reference is, and therefore how small an error can be
+    /// measured.
     std::filesystem::path noise = {};
-    /// The pinhole picture (`--pinhole`). If it is given, a separate error is computed for the pixels that
-    /// the lens changes: those in which the reference differs from it.
+    /// The pinhole picture of the same scene (`--pinhole`). It shows which pixels the lens changes: those in
+    /// which the reference differs from it. If it is given, the error is also computed for these pixels
+    /// alone.
     std::filesystem::path pinhole = {};
     std::filesystem::path map = {};  ///< PNG file to write, with the error in colours (`--map`).
     std::filesystem::path side_by_side =

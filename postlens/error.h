@@ -34,8 +34,8 @@ enum class ExitCode {
     cannot_write = 4,   ///< A file cannot be written. No part of it remains.
     /// The work needs more memory than is available. In most cases, this is found before the work begins.
     out_of_memory = 5,
-    /// The picture is complete, but its PSNR is below `target_db`. If `--strict` is given, this code can also
-    /// mean that there was a warning.
+    /// The picture was made completely, but its measured PSNR is below the wanted one, `target_db`. If the
+    /// option `--strict` is given, this code can also mean that there was a warning.
     shortfall = 6,
     interrupted = 130,  ///< The job was cancelled.
 };

@@ -15,10 +15,10 @@ namespace postlens::api {
 /// Settings of `focus`.
 struct FocusSettings {
     LensSettings lens = {};  ///< Default: the lens of the file.
-    /// The method: "scatter", "layers", "lightfield", "hybrid", "auto" or "pinhole" (`--method`). The
-    /// default, "auto", selects "layers" or "scatter", depending on the contents of the file. If `scene` or
-    /// `target_db` is given, "auto" instead computes views (reprojections to a lens point) and rays. Their
-    /// number depends on the target PSNR.
+    /// The method: "scatter", "layers", "lightfield", "hybrid", "auto" or "pinhole" (`--method`). The default
+    /// is "auto". If neither `scene` nor `target_db` is given, it selects "layers" or "scatter", depending on
+    /// the contents of the file. Otherwise, it averages views (reprojections to a lens point), in which
+    /// traced rays can replace colours. The numbers of views and rays depend on the target PSNR.
     std::string method = {};
     /// The methods "lightfield" and "hybrid" average views: pictures as seen from this many points of the
     /// lens (`--views`). Default: 64.
@@ -28,9 +28,9 @@ struct FocusSettings {
     std::optional<int> depths = {};
     /// PSNR that the method "auto" tries to reach, in dB, from 10 to 80 (`--target-db`).
     std::optional<double> target_db = {};
-    /// The scene from which the frame was traced (`--scene`), for the methods "hybrid" and "auto". Rays
-    /// traced in the scene compute colours that the frame's samples do not contain. The rays also measure the
-    /// error of the picture.
+    /// The scene from which the frame was traced (`--scene`), for the methods "hybrid" and "auto". Rays are
+    /// traced in this scene, because some colours, for example at edges, are not contained in the frame's
+    /// samples. The rays also measure the error of the picture.
     std::filesystem::path scene = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
     std::optional<double> exposure = {};  ///< In stops, -100 to 100 (`--exposure`). Default: the file's.
@@ -44,8 +44,9 @@ struct FocusSettings {
 
 /// What `focus` and `shoot` have made.
 struct FocusResult {
-    /// The picture, or the part of it that `crop` selects. It is empty if `FocusSettings::options` contains
-    /// `--output`, because the picture is then written to that file.
+    /// The picture that was made. If `FocusSettings::crop` is set, it is only this part. If
+    /// `FocusSettings::options` contains `--output`, the picture is written to that file instead, and this
+    /// field is empty.
     Picture picture = {};
     std::string method = {};      ///< Method that was used.
     double focal_length_mm = 0;   ///< Focal length that was used, mm.
@@ -54,8 +55,9 @@ struct FocusResult {
     /// Diameter of the widest circle of confusion (blur disc of the lens), in px. It may be infinite. `shoot`
     /// does not compute it, and leaves it empty.
     std::optional<double> largest_coc_px = {};
-    /// PSNR of the picture, in dB, measured by tracing rays at random places. Empty without `scene`, infinite
-    /// if the rays found no difference.
+    /// PSNR of the picture, in dB. It is measured by comparing the picture with rays that are traced at
+    /// random places in the scene. It is empty without `FocusSettings::scene`, and infinite if the rays found
+    /// no difference.
     std::optional<double> stated_db = {};
     std::optional<double> stated_low_db = {};   ///< Lower end of the 95 % interval of `stated_db`, dB.
     std::optional<double> stated_high_db = {};  ///< Upper end of the 95 % interval of `stated_db`, dB.

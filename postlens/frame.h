@@ -50,7 +50,8 @@ struct Records {
     std::vector<float> y = {};  ///< Raster position, px down.
     std::vector<float> z =
         {};  ///< z', the path length along the optical axis, m; infinite if nothing was hit.
-    /// Red, green and blue of each record: scene-linear radiance times the throughput of the path. The
+    /// Red, green and blue of each record. They are the scene-linear radiance of the surface times the
+    /// throughput of the path from the eye to it, i.e. what the surface adds to the eye ray. Therefore, the
     /// radiance of an eye ray is the sum over its records.
     std::vector<float> rgb = {};
     std::vector<std::uint32_t> id = {};  ///< Number of the object, or 0 if nothing was hit.

@@ -59,8 +59,9 @@ auto guarded(Job* job, const Work& work) -> decltype(work()) {
 class Words {
   public:
     Words(std::initializer_list<std::string> command) : words_(command) {}
-    /// Adds the path of an open file to the command line. Also adds `--salvage` if the file was opened with
-    /// that option.
+    /// Adds the path of an open file to the command line. If the file was opened with the option `--salvage`,
+    /// which reads damaged files, this option is added too, because the command opens the file with the same
+    /// options.
     void add(const Frame& frame);
     /// Adds a file name to the command line. Throws if the path is empty. The error message then calls the
     /// file `what`, for example "reference".
@@ -112,8 +113,9 @@ struct Outcome {
     [[nodiscard]] std::optional<double> number_if_known(const char* key) const;
     [[nodiscard]] std::uint64_t count(const char* key) const;
     [[nodiscard]] std::string text(const char* key) const;
-    /// Returns the image that the command made, and removes it from `result`. If the command has written the
-    /// image to a file, returns an empty picture.
+    /// Returns the picture that the command made, and removes it from `result`, so that it is not copied. If
+    /// the command has written the picture to a file, `result` contains none, and an empty picture is
+    /// returned.
     [[nodiscard]] Picture take_picture();
 };
 

@@ -12,8 +12,9 @@ namespace postlens::api {
 /// A lens and its focus. A value that is not given is taken from the sample file or picture, or from the
 /// camera of a scene.
 struct LensSettings {
-    /// Focal length F in mm, more than 0 (`--focal-length`). Together with the f-number, it determines the
-    /// width of the aperture. It changes the field of view only if `framing` is "lens".
+    /// Focal length F of the lens in mm, more than 0 (`--focal-length`). Together with the f-number n, it
+    /// determines the diameter of the aperture, F / n. It changes the field of view only if `framing` is
+    /// "lens".
     std::optional<double> focal_length_mm = {};
     /// F-number n, more than 0 (`--f-number`). The diameter of the aperture is focal length / n. Infinity
     /// means a pinhole.
@@ -28,8 +29,9 @@ struct LensSettings {
     /// Whether the focal length F determines the field of view (`--framing`). With "keep", the default, the
     /// field of view is independent of F. With "lens", the film is at the distance F from the lens.
     std::string framing = {};
-    /// If true, the field of view changes with the focus distance s (`--breathing`). The film is then at the
-    /// image distance V = F s / (s - F) [Potmesil & Chakravarty 1981, eq. 1].
+    /// Whether the field of view changes with the focus distance s, as with a real lens (`--breathing`). If
+    /// true, the film is at the image distance V = F s / (s - F), where F is the focal length [Potmesil &
+    /// Chakravarty 1981, eq. 1].
     bool breathing = false;
     /// The image of a point that is out of focus (`--impulse`): "disc" (default),
     /// "polygon:BLADES[:DEG[:ROUNDNESS]]", "diffraction[:NM[,NM...]]", "image:FILE" or "lens:PRESCRIPTION".
@@ -92,8 +94,8 @@ struct DepthOfField {
 
 /// Settings of `impulse_response`.
 struct ResponseSettings {
-    /// The lens. Its focal length, f-number and focus distance are required. `focus_at`, `framing`,
-    /// `breathing`, `cats_eye` and lens prescriptions must not be set.
+    /// The lens whose impulse response is computed. Its focal length, f-number and focus distance are
+    /// required. `focus_at`, `framing`, `breathing`, `cats_eye` and lens prescriptions must not be set.
     LensSettings lens = {};
     /// Depth of the point in m, more than 0 (`--depth`). It is required.
     std::optional<double> depth_m = {};
@@ -101,8 +103,8 @@ struct ResponseSettings {
     std::optional<double> wavelength_nm = {};
     /// Width of a pixel in µm, more than 0 (`--pixel-pitch`).
     std::optional<double> pixel_pitch_um = {};
-    /// Width and height of the computed impulse response, in px (`--size`). The default covers 99 % of the
-    /// light's energy, but is at most 1025 px.
+    /// Width and height of the computed impulse response (the image of a point), in px (`--size`). By
+    /// default, they are large enough to contain 99 % of the light's energy, but at most 1025 px.
     std::optional<int> size_px = {};
     /// Further options of `postlens lens psf`, for example {"--profile=FILE.csv"}.
     std::vector<std::string> options = {};

@@ -58,7 +58,8 @@ struct Picture {
     std::vector<float> rgb = {};
     /// Coverage of each pixel from 0 to 1, width * height values. If this is empty, every pixel is opaque.
     std::vector<float> alpha = {};
-    /// Exposure of `rgb` in stops. It is empty if it is not known, as for a PNG file of another program.
+    /// Exposure of the colours `rgb`, in stops: they are the radiance times 2^exposure_stops. It is empty if
+    /// it is not known, as for a PNG file of another program.
     std::optional<double> exposure_stops = 0.0;
     /// Additional channels, such as those that `focus` computes for `--passes`. Only .exr files contain them.
     std::vector<Plane> planes = {};

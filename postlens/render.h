@@ -22,8 +22,8 @@ struct RenderSettings {
     /// stated in the scene file.
     std::optional<double> time_s = {};
     std::optional<Shutter> shutter = {};  ///< Exposure time (`--shutter`). Default: an instant.
-    /// How much light the shutter transmits while it is open (`--shutter-curve`): "box" (default),
-    /// "triangle", or the name of a file.
+    /// How much light the shutter transmits at each instant while it is open (`--shutter-curve`): "box"
+    /// (default, constant), "triangle", or the name of a file that contains the curve.
     std::string shutter_curve = {};
     /// "grid", "jittered", "random", "poisson" or "sobol" (`--sampler`).
     std::string sampler = {};
@@ -37,8 +37,8 @@ struct RenderSettings {
 
 /// What `render` has made.
 struct RenderResult {
-    /// The picture, or the part of it that `crop` selects. It is empty if `options` contain `--output`,
-    /// because the picture is then written to that file.
+    /// The picture that was made. If `crop` is set, it is only this part. If `options` contains `--output`,
+    /// the picture is written to that file instead, and this field is empty.
     Picture picture = {};
     /// With `halves`: two pictures from independent halves of the samples. Their difference measures the
     /// noise.

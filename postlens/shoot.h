@@ -1,5 +1,6 @@
 /// @file
-/// Adds defocus and motion blur at once: makes the picture that a lens with an open shutter takes of a frame.
+/// Makes the picture that a lens with an open shutter takes of a frame. Defocus and motion blur are
+/// added in one step, not one after the other.
 #pragma once
 
 #include <filesystem>

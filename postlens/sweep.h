@@ -19,8 +19,8 @@ struct SweepSettings {
     std::vector<double> focal_length_mm = {};   ///< Focal lengths, mm, more than 0 (`--focal-length`).
     std::vector<double> focus_distance_m = {};  ///< Focus distances, m. They may be infinite (`--focus`).
     std::vector<Shutter> shutter = {};          ///< Exposure times (`--shutter`). Default: no shutter.
-    /// Impulse responses (images of a point out of focus), each as text, for example "disc".
-    /// `LensSettings::impulse` lists the possible texts.
+    /// Impulse responses (images of a point that is out of focus) for which pictures are made (`--impulse`).
+    /// Each is a text, for example "disc". `LensSettings::impulse` lists the possible texts.
     std::vector<std::string> impulse = {};
     /// As in `FocusSettings` (`--method`). Default with `shutter`: "lightfield".
     std::string method = {};

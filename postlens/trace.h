@@ -28,23 +28,25 @@ struct TraceSettings {
     /// Time interval that contains the exposures of all pictures that will be made from the file
     /// (`--for-shutter`).
     std::optional<Shutter> for_shutter = {};
-    /// Set this if all pictures made from the file will also trace rays into the scene (`--for-rays`). These
-    /// rays find surfaces that are not recorded, so fewer surfaces are recorded.
+    /// Set this to true if every picture that is made from the file will also trace rays into the scene
+    /// (`--for-rays`). These rays compute the colours of surfaces that are not recorded. Therefore, fewer
+    /// surfaces are recorded, and the file is smaller.
     bool for_rays = false;
-    /// How many times a pixel may be divided into 2x2 cells, recursively, from 0 to 8 (`--subdivide`). The
-    /// default is 2. If the option `for_f_number` is set, it is 3 at the borders of objects. If `for_rays` is
-    /// set, it is 1.
+    /// How many times a pixel may be divided into 2x2 cells, recursively, from 0 to 8 (`--subdivide`). More
+    /// divisions make edges more exact, but the file larger. The default is 2. If `for_f_number` is set, the
+    /// default is 3 at the borders of objects. If `for_rays` is set, it is 1.
     std::optional<int> subdivide = {};
     /// A pixel or cell is divided if the contrast between its corners, (max - min) / (max + min + 0.05),
     /// exceeds this value, 0 or more (`--threshold`).
     std::optional<double> threshold = {};
-    /// Number of surfaces recorded behind each visible one, from 0 to 16, or `automatic` (`--hidden-layers`).
-    /// The default is `automatic` with `for_f_number` or `for_shutter`, and 0 otherwise.
+    /// Number of surfaces that are recorded behind each visible surface, from 0 to 16, or `automatic`
+    /// (`--hidden-layers`). A lens or a moving object can reveal these surfaces. The default is `automatic`
+    /// if `for_f_number` or `for_shutter` is set, otherwise 0.
     std::optional<int> hidden_layers = {};
     /// Number of pixels traced beyond each border of the picture, or `automatic` (`--overscan`). Default: 0.
     std::optional<int> overscan_px = {};
-    /// Number of instants to record in the interval `for_shutter`, from 1 to 64 (`--keys`). If `automatic`,
-    /// it depends on the motion. Default: 1.
+    /// Number of instants of the interval `for_shutter` at which a moving scene is recorded, from 1 to 64
+    /// (`--keys`). With `automatic`, the number depends on the motion. Default: 1.
     std::optional<int> keys = {};
     /// Exposure of pictures made from the file, in stops from -100 to 100 (`--exposure`). Default: 0.
     std::optional<double> exposure = {};

@@ -7,12 +7,13 @@
 
 namespace postlens::python {
 
-/// Runs `work` as a job with `threads` threads (0: one per core), without the interpreter's lock. Exceptions
-/// are thrown again here, those of postlens as postlens.Error.
+/// Runs `work` as a job with `threads` threads (0: one per core). The lock of the Python interpreter is
+/// released meanwhile. If `work` throws an exception, it is thrown again here; exceptions of postlens become
+/// postlens.Error.
 ///
 /// The calling thread handles signals and calls progress(fraction, seconds_left), unless `progress` is None.
-/// If a signal handler or `progress` raises an exception, `work` is cancelled before it is thrown. After
-/// success, the last call is progress(1, 0).
+/// If a signal handler or `progress` raises an exception, `work` is cancelled before this exception is
+/// thrown. After success, the last call is progress(1, 0).
 void run_job(int threads, const pybind11::object& progress, const std::function<void()>& work);
 
 /// Converts text to a Python str. Bytes that are not UTF-8, as in file names, become surrogates.

@@ -11,8 +11,9 @@ namespace postlens {
 
 namespace {
 
-// Adds to `sample` the records of hidden surfaces at its position. `band` stores them with the pixel that
-// contains this position.
+// Completes `sample`, which already contains the surfaces that the pinhole sees at its position. Adds the
+// records of the hidden surfaces at the same position. These have `layer` > 0, and `band` stores them with
+// the pixel that contains this position.
 void add_hidden(const RecordBand& band, PixelSample& sample) {
     const std::size_t k =
         band.pixel(static_cast<int>(std::floor(sample.x)), static_cast<int>(std::floor(sample.y)));
@@ -35,8 +36,9 @@ std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int 
     find_point_samples(band, y, y + 2, y, y + 1, found);
     std::vector<PixelSample> out;
     for (const PointSample& s : found.samples) {
-        // Weight of the sample: a quarter of the area of each quadtree cell in this pixel that has the sample
-        // as a corner.
+        // Computes the weight of the sample s in this pixel. The sample is a corner of up to four quadtree
+        // cells. Each of these cells that lies in this pixel adds a quarter of its area, because a cell has
+        // four corners.
         double weight = 0;
         for (int q = 0; q < 4; ++q) {
             const auto i = static_cast<std::size_t>(q);

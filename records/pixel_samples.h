@@ -8,8 +8,9 @@
 
 namespace postlens {
 
-/// A point sample (one eye ray) of a pixel. The weights of all samples of a pixel add up to 1. `nodes` lists
-/// the surfaces that the ray and its reflections and refractions hit, then the hidden surfaces behind them.
+/// A point sample (one eye ray) of a pixel, with its weight in the pixel's colour. The weights of all samples
+/// of a pixel add up to 1. `nodes` contains one record for each surface that the ray and its reflections and
+/// refractions hit, and then one for each hidden surface behind these.
 struct PixelSample {
     float x = 0, y = 0;  ///< raster, px
     double weight = 0;

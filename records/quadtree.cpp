@@ -9,8 +9,9 @@
 namespace postlens {
 namespace {
 
-/// Width of a pixel, in steps of 1 / position_steps px. Sample positions are multiples of a step. The
-/// smallest possible quadtree leaf (undivided cell) is one step wide.
+/// Width of a pixel in steps, which are the unit of positions in this file. All sample positions are
+/// multiples of a step, so they are exact integers in this unit. The smallest possible leaf (undivided cell)
+/// of a pixel's quadtree is one step wide.
 constexpr int pixel_steps = position_steps;
 
 /// Position within a pixel: u steps to the right of its upper left corner, and v steps below this corner. The
@@ -19,8 +20,10 @@ struct Place {
     int u = 0, v = 0;
 };
 
-/// Calls leaf(position, size) for each leaf (undivided cell) of a quadtree cell, in the order up-left,
-/// up-right, down-left, down-right. A cell is subdivided if it has a sample at its centre.
+/// Visits the leaves (undivided cells) of a quadtree cell that begins at `at` and is `size` steps wide. Calls
+/// leaf(position, size) for each of them. The quadtree itself is not stored, but a cell is divided if it has
+/// a sample at its centre. The four quarters are visited in the order up-left, up-right, down-left,
+/// down-right.
 template <typename HasSample, typename Leaf>
 void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& leaf) {
     const int half = size / 2;
@@ -39,9 +42,10 @@ void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& 
          x + at.u / static_cast<double>(pixel_steps), y + at.v / static_cast<double>(pixel_steps));
 }
 
-/// Calls on_sample(first_record, count) for every sample that the pinhole sees in pixel (x, y), sorted by y,
-/// then by x. `count` records form a sample, from first_record on. With `top_edge_only`, calls it only
-/// for samples on the pixel's upper edge. Throws if the pixel's upper left corner has no sample.
+/// Calls on_sample(first_record, count) for each sample of pixel (x, y) that the pinhole sees, sorted by y,
+/// then by x. A sample consists of `count` records with the same position, from the index `first_record` on.
+/// With `top_edge_only`, calls it only for samples on the pixel's upper edge. Throws if the pixel has no
+/// sample at its upper left corner, where each pixel needs one.
 template <typename OnSample>
 void for_each_sample(const RecordBand& band, int x, int y, bool top_edge_only, const OnSample& on_sample) {
     const std::size_t k = band.pixel(x, y);
@@ -113,8 +117,9 @@ class PlacedSamples {
     }
 
   private:
-    /// The table `at_` of a pixel's samples has 64 positions along each edge of the pixel, which suffice for
-    /// six levels of quadtree subdivision. A larger table would not fit into the processor's cache.
+    /// Size of the table `at_`, which contains a pixel's samples by position. It has 64 steps, and therefore
+    /// 65 positions, along each edge of the pixel. These suffice for six levels of quadtree subdivision. A
+    /// larger table would not fit into the processor's cache.
     static constexpr int edge = 64, places = edge + 1, step = pixel_steps / edge;
     static Sample* first(const Row<Sample>& row, std::size_t column) {
         return row.samples + row.offsets[column];
@@ -235,8 +240,9 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
     const int last_pixel_row = std::min(pixel_y_end, y_end) - 1;
     if (first_pixel_row > last_pixel_row) return;
 
-    // A quadtree cell may have corners in a requested row and in the row above or below it. The rows above
-    // and below the requested rows are read only to complete such cells.
+    // A quadtree cell has corners in the row of samples above it and in the row below it. So a cell whose
+    // area counts may also have corners outside the requested rows. `above` and `below` contain the samples
+    // of the neighbouring rows, which are read only to complete such cells.
     PointSamples above, below;
     above.offsets.assign(1, 0);
     below.offsets.assign(1, 0);

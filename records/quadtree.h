@@ -14,9 +14,9 @@
 
 namespace postlens {
 
-/// A point sample: one eye ray through the pinhole. It has one record for each surface that the ray and its
-/// reflections and refractions hit. These records have the same position, and are adjacent in the list of
-/// records.
+/// A point sample: one eye ray through the pinhole. The ray and its reflections and refractions hit several
+/// surfaces, and each hit is a record. The records of one sample have the same raster position, so they are
+/// adjacent in the sorted list of records: `record_count` records, from the index `first_record` on.
 struct PointSample {
     float x = 0, y = 0;              ///< raster, px
     std::uint32_t first_record = 0;  ///< index into the band's records
@@ -31,12 +31,12 @@ struct PointSample {
     [[nodiscard]] float total_weight() const { return weight[0] + weight[1] + weight[2] + weight[3]; }
 };
 
-/// Finds the point samples (eye rays) of rows y_begin to y_end - 1. Computes their weights, i.e. the areas of
-/// the image that they represent. Samples are listed pixel by pixel, and sorted by y, then by x.
+/// Finds the point samples (eye rays) of rows y_begin to y_end - 1, and computes their weights (areas of the
+/// image). The samples are listed pixel by pixel, and sorted by y, then by x.
 ///
-/// A leaf (undivided quadtree cell) adds to the weights of the samples at its corners. Only leaves in pixel
-/// rows pixel_y_begin to pixel_y_end - 1 count. `band` must also contain the neighbouring rows y_begin - 1
-/// and y_end if they exist. Throws Error(invalid_input) if a corner of a cell has no sample.
+/// A leaf (undivided quadtree cell) adds a quarter of its area to each sample at its corners. Only leaves in
+/// pixel rows pixel_y_begin to pixel_y_end - 1 count. `band` must also contain rows y_begin - 1 and y_end if
+/// they exist. Throws Error(invalid_input) if a corner of a cell has no sample.
 struct PointSamples {
     std::vector<PointSample> samples;
     std::vector<std::uint32_t> offsets;  ///< per pixel of rows [y_begin, y_end), as in RecordBand
@@ -65,11 +65,11 @@ struct PixelLeaves {
 };
 void find_leaves(const RecordBand& band, int y_begin, int y_end, PixelLeaves& out);
 
-/// Computes row y of the pinhole image, for columns x_begin to x_end - 1. `band` must contain row y and the
-/// next row.
-/// A quadtree leaf (undivided cell) has the mean colour of its four corners. A pixel has the mean colour of
-/// its leaves, weighted by area. Sums are in double precision and in a fixed order, so results are
-/// bit-identical on all machines.
+/// Computes row y of the pinhole image, for columns x_begin to x_end - 1. `band` must contain row y of the
+/// samples and the next row, because the pixels' corners lie in both. A leaf (undivided cell) of a pixel's
+/// quadtree has the mean colour of the samples at its four corners. A pixel has the mean colour of its
+/// leaves, weighted by area. Sums are in double precision and in a fixed order, so results are bit-identical
+/// on all machines.
 void picture_row(const RecordBand& band, int y, int x_begin, int x_end, std::span<float> rgb);
 
 }  // namespace postlens

@@ -29,8 +29,8 @@ class NodePath {
     [[nodiscard]] constexpr Bounce bounce(int i) const {
         return static_cast<Bounce>((bits_ >> (2 * i)) & 3U);
     }
-    /// Returns whether the last bounce is a reflection or a transmission. `none` if the eye ray hits the
-    /// surface directly.
+    /// Returns how the light path reaches the recorded surface: by a reflection or by a transmission as its
+    /// last bounce, or `none` if the eye ray hits the surface directly.
     [[nodiscard]] constexpr Bounce kind() const { return bits_ == 0 ? Bounce::none : bounce(depth() - 1); }
     [[nodiscard]] constexpr NodePath child(Bounce b) const {
         return NodePath(bits_ | (static_cast<std::uint32_t>(b) << (2 * depth())));
@@ -78,8 +78,8 @@ struct RecordMark {
     /// The texture is too fine for the samples: its colour changes between this sample and its neighbours,
     /// and the quadtree allows no samples in between.
     static constexpr std::uint8_t fine_texture = 1;
-    /// The rays may have missed something between this sample and its neighbours: a gap in the object, or a
-    /// part of its mesh.
+    /// The surface is not known between this sample and its neighbours. The rays may have passed beside
+    /// something narrow: a gap in the object, or another part of its mesh.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };
@@ -104,9 +104,9 @@ struct Record {
     friend bool operator==(const Record&, const Record&) = default;
 };
 
-/// The records of the pixels in rows y_begin to y_end - 1 and columns x_begin to x_end - 1. Pixel (x, y) has
-/// the index k = (y - y_begin) * width() + (x - x_begin), and the records offsets[k] to offsets[k + 1] - 1.
-/// They are sorted by layer, then by y, x and path.
+/// A band of records (surface hits): those of the pixels in rows y_begin to y_end - 1 and columns x_begin to
+/// x_end - 1. Pixel (x, y) has the index k = (y - y_begin) * width() + (x - x_begin). Its records have the
+/// indices offsets[k] to offsets[k + 1] - 1 in `records`, and are sorted by layer, then by y, x and path.
 struct RecordBand {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint32_t> offsets{0};  ///< width() * height() + 1 entries

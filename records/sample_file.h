@@ -42,16 +42,18 @@ class SampleFileWriter {
     SampleFileWriter(SampleFileWriter&&) = delete;
     SampleFileWriter& operator=(SampleFileWriter&&) = delete;
 
-    /// Writes the next rows of records, from y = -overscan to height + overscan. A row extends from x =
-    /// -overscan to width + overscan.
+    /// Writes the next rows of records. The rows of an instant must be passed from top to bottom, from y =
+    /// -overscan to y = height + overscan. Each row extends from x = -overscan to x = width + overscan. The
+    /// last row and column belong to the lower and right corners of pixels.
     void write(const RecordBand& band);
-    /// Starts the next recorded instant of a moving scene, from the top row on. Throws Error(invalid_input)
-    /// if rows are missing or no instants remain.
+    /// Ends the current instant of a moving scene, so that the next rows belong to the next recorded instant,
+    /// beginning with its top row. Throws Error(invalid_input) if rows of the current instant are missing, or
+    /// if the header states no further instants.
     void next_instant();
     /// Completes the file and moves it from its temporary name to its path. Returns its size in bytes.
     std::uint64_t finish();
-    /// Returns the pinhole image, which is computed from the written records. It is complete after all rows
-    /// of the file have been written.
+    /// Returns the pinhole image of the frame. The writer computes it from the records of instant 0, row by
+    /// row. So the image is complete after all rows of this instant have been written.
     [[nodiscard]] const Image& picture() const;
 
   private:
@@ -101,20 +103,21 @@ class SampleFileReader {
     [[nodiscard]] std::uint64_t record_count() const;
     [[nodiscard]] std::uint64_t file_bytes() const;
     [[nodiscard]] RecordCompression compression() const;
-    /// Records lie at pixel corners, so rows range from y_begin() = -overscan to y_end() - 1 = height +
-    /// overscan.
+    /// Range of the rows of records: from y_begin() = -overscan to y_end() - 1 = height + overscan. Records
+    /// lie at the corners of pixels, so there is one more row of records than of pixels.
     [[nodiscard]] int y_begin() const;
     [[nodiscard]] int y_end() const;
-    /// Records lie at the corners of pixels, so there is one more column of records than of pixels. The
-    /// columns range from x_begin() = -overscan to x_end() - 1 = width + overscan.
+    /// Range of the columns of records: from x_begin() = -overscan to x_end() - 1 = width + overscan. Records
+    /// lie at the corners of pixels, so there is one more column of records than of pixels.
     [[nodiscard]] int x_begin() const;
     [[nodiscard]] int x_end() const;
 
     /// Reads rows y_begin to y_end - 1 of an instant, and verifies their checksums and values. Rows can be
     /// read in any order. Reuses the memory of `band`.
     void read(int y_begin, int y_end, RecordBand& band, std::size_t instant = 0) const;
-    /// Returns the damaged rows, by instant and from top to bottom. With Damage::salvage, rays that hit
-    /// nothing replaced their records. Empty without Damage::salvage.
+    /// Returns the rows that are damaged, ordered by instant and from top to bottom. They are known only if
+    /// the file was opened with Damage::salvage. Then their records were replaced by records of rays that hit
+    /// nothing. Otherwise, the result is empty.
     [[nodiscard]] std::span<const LostRows> lost_rows() const;
     /// Returns the times of recorded instants that were removed because all their rows are damaged.
     [[nodiscard]] std::span<const double> lost_instants_s() const;

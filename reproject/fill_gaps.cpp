@@ -69,8 +69,9 @@ void push(const Level& coarse, Level& fine) {
 void fill_gaps(Image& image, const std::vector<float>& weight) {
     std::vector<Level> levels(1);
     levels[0] = {image.width, image.height, image.rgb, weight};
-    // Known pixels get weight 1, so that filling keeps their colours. Unknown pixels are set to black,
-    // because an infinite or NaN colour would spread to its neighbours.
+    // Gives known pixels the weight 1, so that filling the gaps keeps their colours, and unknown pixels the
+    // weight 0. Unknown pixels are also set to black, because their colour may be infinite or NaN. Such a
+    // colour would spread to the neighbouring pixels, even with the weight 0.
     for (std::size_t i = 0; i < weight.size(); ++i) {
         const bool known = weight[i] > 0;
         levels[0].weight[i] = known ? 1.0F : 0.0F;

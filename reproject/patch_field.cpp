@@ -87,8 +87,9 @@ class Field {
     }
 
   private:
-    /// Draws a square part of a 64 px tile. (x, y) is the part's upper left corner, in px from the tile's
-    /// corner.
+    /// Draws a piece: a square part of a tile, which is a 64 px square of the image. `tile` is the number of
+    /// the tile. (x, y) is the upper left corner of the piece, in px from the tile's corner. All its views
+    /// are drawn, and added to the images `out`.
     void draw_piece(std::size_t tile, int x, int y, Workplace& w, std::span<PatchPicture> out) const {
         const int x0 = static_cast<int>(tile) % bins_.columns() * SeenTile::edge + x,
                   y0 = static_cast<int>(tile) / bins_.columns() * SeenTile::edge + y;
@@ -184,8 +185,8 @@ class Field {
         return false;
     }
 
-    /// Quickly excludes static patches (planar parts of surfaces) that one lens point does not see in a given
-    /// tile (square of the image).
+    /// Tests quickly whether a static patch (planar part of a surface) misses a tile (square of the image) in
+    /// one view, so that it need not be drawn. The view is given by its lens point.
     class ViewReach {
       public:
         ViewReach(const LensShift& lens, const TilePlace& at)
@@ -260,8 +261,9 @@ class Field {
         }
     }
 
-    /// Seen from the lens point of this view, an unrecorded object outside the recorded image may hide
-    /// recorded surfaces. Removes the recorded surface from each pixel in which this may happen.
+    /// Removes the recorded surface from each pixel of the view that an unrecorded object may hide. Such an
+    /// object lies outside the recorded image. Seen from the lens point of this view, its image may move into
+    /// the image and cover recorded surfaces near the border.
     void leave_out_beyond_border(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             const BorderReach& border = borders_[v.uses[u].instant];
@@ -315,8 +317,9 @@ class Field {
         }
         const bool trees = w.draws_trees && w.trees.any() && !w.rays.whole_tile() && !w.rays.parents_too &&
                            !(rays && v.moves());
-        // The view's instant may lie between two recorded instants. Where both instants show the same
-        // surface, its two colours are blended; elsewhere the nearer surface counts.
+        // Adds the colours of the view. The instant of the view may lie between two recorded instants; then
+        // v.uses has two elements. In pixels in which both recorded instants show the same surface, its two
+        // colours are blended. In the other pixels, the nearer surface counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);
             if (rays && trees) w.rays.set_aside_trees(shown, u, w.trees, w.sum);
@@ -331,8 +334,9 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Adds the colours of a view to the sums of all its pixels. The view must have no vignetting, and be
-    /// reprojected from a single recorded instant. Faster than add_some, which handles every view.
+    /// Adds the colours of a view to the sums of all its pixels. This is faster than add_some, which handles
+    /// every view. But it requires that the view has no vignetting, which would make pixels black, and that
+    /// it is reprojected from a single recorded instant, so that no colours are blended.
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);

@@ -22,8 +22,9 @@ struct PatchInstant {
     const PatchMesh* deeper = nullptr;
 };
 
-/// A view: the image that one lens point sees at one instant. Surfaces are recorded only at a few instants.
-/// The view is reprojected from one of these, or blended from two of them.
+/// A view: the image that one lens point sees at one instant. The surfaces are recorded only at a few
+/// instants. Therefore, the view is reprojected from one recorded instant, or blended from two, between which
+/// its instant lies.
 struct PatchView {
     glm::dvec2 sample{0.5};  ///< sample position in every pixel, px
     double weight = 1;
@@ -65,7 +66,8 @@ enum class LeftToRays : std::uint8_t {
     samples_and_lights  ///< all samples of views, and also the highlights: no `lights` are added
 };
 
-/// A set of views (images for one lens point and instant). Their mean is an image or a part of an image.
+/// A set of views (images for one lens point and instant), with the settings that they share. The mean of the
+/// views is an image, or a part of an image if the set is used only in some squares.
 struct PatchViews {
     std::vector<PatchView> views;
     /// Squares of the image may use different sets of views, so that their noise is independent. This
@@ -73,19 +75,21 @@ struct PatchViews {
     /// x `height` px whose upper left pixel is (x, y). If the function is empty, they are drawn in all
     /// squares.
     std::function<bool(int x, int y, int width, int height)> wanted;
-    /// Adds highlights (small bright spots, which the lens blurs over many pixels) to the image. May be null.
-    /// Called by several threads.
+    /// Adds highlights to the image: small bright spots of surfaces, which the lens blurs over many pixels.
+    /// Their light is not part of the views' recorded colours. Null if there are none. Several threads call
+    /// its functions.
     const class Lights* lights = nullptr;
-    /// Ray tracer for samples that cannot be reprojected from the recorded surfaces, for instance at edges.
-    /// If null, no rays are traced.
+    /// Ray tracer that computes those samples of the views that cannot be reprojected from the recorded
+    /// surfaces, for instance at edges. If it is null, no rays are traced.
     const SightRays* rays = nullptr;
     /// Returns which samples rays replace in the square of the image that contains pixel (x, y). If the
     /// function is empty, rays replace only the samples that the recorded surfaces do not determine, for
     /// instance at edges (LeftToRays::unsure).
     std::function<LeftToRays(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
-    /// Optional: selects views whose recorded colour in pixel (x, y) is compared with a traced ray, to
-    /// measure its error. Appends their indices to `views`. Requires `rays`.
+    /// Optional: selects views in which the recorded colour of pixel (x, y) is compared with a traced ray, to
+    /// measure the error of this colour. The indices of these views in the vector `views` of this set are
+    /// appended to the argument `views`. Requires `rays`.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     /// Optional: selects some pixels at random, in which the error of the highlights' light is measured. For
     /// this, rays are traced from these pixels towards the highlights, and are compared with the light in the
@@ -100,8 +104,9 @@ struct PatchViews {
 
 struct PatchField {
     std::vector<PatchInstant> instants;
-    /// Objects that move alike form a group. Returns the number of an object's group. Needed only if objects
-    /// move or `class_marks` is set.
+    /// Returns the number of the group to which object `id` belongs. Objects that move alike form a group, so
+    /// they share a map of their motion. The function is needed only if objects move, or if `class_marks` is
+    /// set.
     std::function<std::size_t(std::uint32_t id)> motion_class;
     /// Bit mask of each group of objects, with the index that `motion_class` returns. It is 0 for a group
     /// that does not move. The masks tell in the result where motion matters: for each pixel,
@@ -109,8 +114,8 @@ struct PatchField {
     /// empty, `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
-    /// The image is divided into squares, which are drawn in parallel. `piece_px` is the edge of a square in
-    /// px: SeenTile::edge (64 px) or a half, a quarter, ... of it.
+    /// Width, in px, of the squares (pieces) into which the image is divided. They are drawn in parallel. The
+    /// width is SeenTile::edge (64 px) or a half, a quarter, ... of it.
     int piece_px = SeenTile::edge;
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
@@ -133,8 +138,9 @@ struct TileViews {
     static constexpr std::size_t view = row * row;      ///< stride from one view to the next
     std::vector<float> inverse_z;                       ///< 1/m; -1 if nothing is recorded
     std::vector<std::uint32_t> texel;
-    /// All directly visible patches (planar parts of surfaces) that any lens point may see in this image
-    /// square, nearest first. Null if objects move.
+    /// All directly visible patches (planar parts of surfaces) that any lens point may see in this square of
+    /// the image, sorted from the nearest on. They tell which surfaces may hide a highlight. Null if objects
+    /// move, because the patches then differ from view to view.
     const PatchMesh* patches = nullptr;
 };
 
@@ -167,8 +173,9 @@ class Lights {
     /// Returns the indices of the highlights whose blurred light may reach a rectangle of the image, in px.
     /// Neighbouring highlights count as one.
     [[nodiscard]] virtual std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const = 0;
-    /// Appends up to `count` random rays from pixel (x, y) to those highlights of `sources` that reach it.
-    /// Equal seeds give equal rays.
+    /// Appends to `lines` random rays from pixel (x, y) through the lens to highlights. Only those highlights
+    /// of `sources` (indices from `reaching`) whose light reaches the pixel are used. At most `count` rays
+    /// are appended. Equal values of `seed` give equal rays.
     virtual void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
                      std::vector<Line>& lines) const = 0;
 };
@@ -216,8 +223,9 @@ struct PatchPicture {
     /// matters less if it is dark. Therefore, if its brightest recorded value b is darker than the pixel's
     /// brightness p, the fraction is multiplied by b / p.
     std::vector<float> unknown_below;
-    /// Per pixel: fraction of the views, by PatchView::weight, whose colour comes from a traced ray. Empty
-    /// without a ray tracer.
+    /// For each pixel: the fraction of the views (images for one lens point and instant) in which its colour
+    /// comes from a traced ray instead of the records. Each view counts by its PatchView::weight. Empty if
+    /// there is no ray tracer.
     std::vector<float> traced;
     /// Per pixel: measured error of its colour. Empty unless PatchViews::checked is set.
     std::vector<PixelCheck> checks;
@@ -230,14 +238,15 @@ struct PatchPicture {
     /// is squared and averaged over all lens points. It is the fourth value of Lights::add. Empty if the
     /// image has no highlights.
     std::vector<float> light_square;
-    /// Per pixel: the bit masks (PatchField::class_marks) of all groups of objects whose motion may change
-    /// the pixel's colour, combined. All bits are set where these groups are unknown.
+    /// For each pixel: which groups of moving objects may change its colour. Each group has a bit mask
+    /// (PatchField::class_marks), and the masks of all these groups are combined by a bitwise or. All bits
+    /// are set in a pixel in which these groups are unknown, because a view shows no recorded surface there.
     std::vector<std::uint8_t> touched;
 };
 
-/// Computes each image of `out` (field.width x field.height px) as the mean of its views (images for one lens
-/// point and instant). Squares of the image in which no view is drawn keep their values. The result is
-/// bit-identical for any number of threads.
+/// Computes images with depth of field and motion blur. Each image of `out` (field.width x field.height px)
+/// is the mean of its views (images for one lens point and instant). Squares of the image in which no view is
+/// drawn keep their values. The result is bit-identical for any number of threads.
 ///
 /// The views may be divided among several calls. With rays and moving objects, the result may then differ,
 /// because each call estimates the objects' paths from its own views.

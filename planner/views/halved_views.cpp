@@ -17,7 +17,8 @@ namespace {
 static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
 /// Number of sets of lens points that the squares of an image use. The square in column c and row r uses set
-/// (c + scrambles_down * r) % scrambles, so squares with equal sets are far apart.
+/// (c + scrambles_down * r) % scrambles. So neighbouring squares use different sets, and squares that use the
+/// same set are far apart. Therefore, their equal noise is not visible as a pattern.
 constexpr int scrambles = 61, scrambles_down = 23;
 
 template <typename T>

@@ -1,5 +1,6 @@
-// Divides the views of an image (reprojections to different lens points) into two independent halves, whose
-// difference shows the noise.
+// Makes an image as the mean of its views (reprojections to different lens points). The views are divided
+// into two independent halves. The mean of each half is an image, and the difference between both images
+// shows their noise.
 #pragma once
 
 #include <array>
@@ -17,9 +18,10 @@
 
 namespace postlens {
 
-/// Makes an image as the mean of views (reprojections to different lens points), in two independent halves.
-/// Each tile has its own number of views, to which more can be added. With a scene, rays replace uncertain
-/// samples: those at edges, and those without a recorded surface.
+/// Makes an image as the mean of views (reprojections to different lens points). The views form two
+/// independent halves, whose difference shows the noise. Each tile (64 px square of the image) has its own
+/// number of views, to which more can be added. If there is a scene, traced rays replace uncertain samples of
+/// the views: those at edges, and those without a recorded surface.
 class HalvedViews {
   public:
     /// Prepares to draw the views (images from single lens points) of a frame, but draws none yet.
@@ -45,13 +47,14 @@ class HalvedViews {
     [[nodiscard]] bool has_rays() const { return rays_ != nullptr; }
     [[nodiscard]] const std::vector<int>& views() const { return views_; }               ///< per tile
     [[nodiscard]] const std::vector<LeftToRays>& left_to_rays() const { return left_; }  ///< per tile
-    /// The views of the image form two independent halves. Returns the mean of the views of half 0 or 1 that
-    /// have been drawn so far.
+    /// Returns one of two independent estimates of the image. The views of the image form two halves, number
+    /// 0 and 1. The estimate is the mean of those views of half `number` that have been drawn so far.
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] const CheckedPixels& checked_pixels() const { return checked_pixels_; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
-    /// Returns the image: the mean of all views drawn so far, from both halves. Its `checks` (comparisons of
-    /// rays with recorded colours) are sums over the two halves.
+    /// Returns the image: the mean of all views drawn so far, from both halves. Its field `checks` compares,
+    /// for each pixel, rays with the recorded colours, to measure their error. These sums are added over the
+    /// two halves.
     [[nodiscard]] FieldFocus whole() &&;
 
   private:

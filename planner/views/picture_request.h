@@ -1,5 +1,5 @@
-// Checks the settings of an image, and converts them to settings of field_focus (mean of reprojected views)
-// and of the ray tracer.
+// Checks the settings of an image, and converts them to settings of the two programs that make it:
+// field_focus, which averages reprojected views, and the ray tracer.
 #pragma once
 
 #include <string>
@@ -29,8 +29,8 @@ void check_request(const SampleFileReader& file, const HybridSettings& settings,
 /// all colours of the views come from the sample file.
 [[nodiscard]] FieldFocusSettings field_settings(const SampleHeader& header, const HybridSettings& settings);
 
-/// Returns the settings with which the ray tracer (`render`) makes the image that `settings` describes.
-/// Throws the errors of checked_camera.
+/// Returns the settings with which the ray tracer (`render`) makes the same image as `settings` describes:
+/// the scene's camera with this lens, focus and shutter. Throws the errors of checked_camera.
 [[nodiscard]] RenderSettings ray_settings(const SampleHeader& header, const HybridSettings& settings,
                                           const Aperture& aperture);
 

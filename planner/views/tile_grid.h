@@ -1,5 +1,5 @@
-// Divides an image into tiles of 64 px, each with its own number of views (images from different lens
-// points), and tiles into smaller squares (pieces).
+// Divides an image into tiles, squares of 64 px. Each tile has its own number of views (images from different
+// lens points). Tiles are divided into smaller squares, the pieces. Each piece has its own lens points.
 #pragma once
 
 #include <algorithm>
@@ -39,8 +39,9 @@ struct TileGrid {
     }
 };
 
-/// Returns the width, in px, of the image squares that have their own lens points. At least 2000 squares are
-/// needed to estimate the noise.
+/// Returns the width, in px, of the pieces (squares of the image) that have their own lens points. The noise
+/// is estimated from the differences in many independent pieces. At least 2000 are needed. So a small image
+/// has smaller pieces, but none below 4 px.
 [[nodiscard]] inline int piece_px(int width, int height) {
     constexpr int least_pieces = 2000, smallest_px = 4;
     int px = TileGrid::edge;

@@ -83,8 +83,9 @@ float float_of_half(std::uint16_t bits) {
     return h;
 }
 
-/// Converts a half float to a record's mark (a set of flags). Values other than integers from 0 to 255 become
-/// 255, which is not a valid mark.
+/// Converts a half float, in which the file stores the mark of a record, to this mark, a set of flags. A
+/// valid half float is an integer from 0 to 255. Other values become 255. No valid mark has this value, so
+/// the damage is found later.
 std::uint8_t mark_of_half(std::uint16_t bits) {
     const float value = float_of_half(bits);
     return value >= 0 && value <= 255 && value == std::floor(value) ? static_cast<std::uint8_t>(value) : 255;

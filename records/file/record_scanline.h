@@ -15,7 +15,8 @@ namespace postlens {
 /// file.
 [[nodiscard]] std::size_t bytes_per_record(RecordChannels channels);
 
-/// The bytes of a scanline before compression, in little-endian order:
+/// One row of records (a scanline) in the form in which the file stores it, before compression. The bytes are
+/// in little-endian order:
 /// - y as int32
 /// - for each pixel, the number of records up to and including that pixel, as uint32
 /// - the channels (docs/sample_file.md) B G R W.bend W.xx W.xy W.yx W.yy Z id layer mark node.path sample.x
@@ -26,12 +27,13 @@ class ScanlineBytes {
 
     /// Reserves memory for `records` records of scanline y.
     void prepare(int y, std::uint32_t records);
-    /// Packs the records of scanline y for the file. Pixel x_begin + i has the records from offsets[i] to
-    /// offsets[i + 1] - 1.
+    /// Converts the records of scanline y to the bytes of the file. `records` contains the records of all
+    /// pixels of the row. Those of pixel x_begin + i have the indices offsets[i] to offsets[i + 1] - 1.
     void pack(int y, int x_begin, std::span<const std::uint32_t> offsets, std::span<const Record> records);
 
-    /// Computes the index of each pixel's first record, and finally the total number of records. Returns
-    /// false if the numbers of records per pixel are damaged.
+    /// Computes where the records of each pixel begin. offsets[i] becomes the index of the first record of
+    /// the i-th pixel, and the last element becomes the total number of records. Returns false if the stored
+    /// numbers of records are damaged, i.e. contradict each other.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
     /// Unpacks the records of the row. If the file does not store the channels of a field, the field becomes
     /// 0. The matrix Record::w, which describes how the surface's image moves with the lens point, is an

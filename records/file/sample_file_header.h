@@ -14,8 +14,9 @@ namespace postlens {
 /// corners. Up to this value, floats have a resolution of at least 1/64 px.
 inline constexpr int largest_extent_px = 262144;
 
-/// Throws Error(invalid_input), with `file` and the name of the field, if a value is out of range. Does not
-/// check the motion, which motion_of_text() does.
+/// Checks the fields of a header. If a value is out of range, throws Error(invalid_input) with the name
+/// `file` and the name of the field. The description of the motion is not checked here, because
+/// motion_of_text() checks it.
 void check_sample_header(const SampleHeader& header, const std::string& file);
 
 /// Returns the checksum of all header fields as sixteen hexadecimal digits. docs/sample_file.md lists the

@@ -58,9 +58,9 @@ inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
     return static_cast<std::size_t>((rows + step - 1) / step);
 }
 
-/// Summary of one row of records. The part `scanlines` of a sample file stores it with a checksum of the
-/// summary's bytes. `picture_checksum` is the checksum of the same row of the pinhole image, and 0 if the
-/// image has no such row.
+/// Summary of one row of records. The part `scanlines` of a sample file stores it, together with a checksum
+/// of the summary's own bytes. `facts` describes the records. `picture_checksum` is the checksum of the row
+/// of the pinhole image with the same y. It is 0 if the image has no such row, for example in the overscan.
 struct ScanlineRow {
     static constexpr std::size_t byte_count = 32;
     ScanlineFacts facts;
@@ -72,8 +72,9 @@ struct ScanlineRow {
     [[nodiscard]] static std::optional<ScanlineRow> from_bytes(ByteView bytes, int y);
 };
 
-/// Returns the checksum (XXH3, 64 bits, seed 0) of an uncompressed row of the pinhole image. `planes` holds
-/// the floats of the row: all B, then all G, then all R.
+/// Returns the checksum (XXH3, 64 bits, seed 0) of an uncompressed row of the pinhole image. `planes`
+/// contains the floats of the row in the order of the file: the blue values of all pixels, then the green,
+/// then the red.
 [[nodiscard]] std::uint64_t picture_row_checksum(ByteView planes);
 
 }  // namespace postlens::layout

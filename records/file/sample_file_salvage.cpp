@@ -34,8 +34,10 @@ void SampleFileReader::Impl::find_lost_rows() {
     }
 }
 
-/// Removes each recorded instant that has no readable row. In the other instants, unreadable rows are
-/// replaced by samples of rays that hit nothing. Counts these samples for each row.
+/// Replaces the rows of records that cannot be read, in all recorded instants. An instant without any
+/// readable row is removed. In the other instants, the unreadable rows are replaced by samples of rays that
+/// hit nothing. The number of these samples is stored for each row, because the reader needs it before it
+/// reads the row.
 void SampleFileReader::Impl::replace_lost_rows() {
     const auto nothing_left = [](const Instant& of) {
         return std::find(of.lost.begin(), of.lost.end(), 0) == of.lost.end();

@@ -188,8 +188,9 @@ void SampleFileWriter::Impl::write_scanline_row(int y, const ScanlineFacts& fact
     output->write_flat_chunk(part_index(scanlines_part, instant), y, row.bytes(y));
 }
 
-/// Completes an instant by writing the summary of its last row. A summary contains the checksum of an image
-/// row, which also depends on the next row of samples. Therefore each summary is written one row late.
+/// Completes a recorded instant, after its last row of records was written. Each row has a summary, which
+/// contains the checksum of an image row. The image row also depends on the next row of records. Therefore,
+/// each summary is written one row late, and that of the last row is written here.
 void SampleFileWriter::Impl::end_instant() {
     if (next_y != window.y_max + 1) {
         fail(ExitCode::invalid_input, "{}: records are missing (got rows up to {}; expected up to {})", name,
@@ -216,14 +217,16 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         add_to_last_row(band, y_begin);
         compute_picture_row(last_row, y_begin - 1);
     }
-    // Image row y - 1 needs the records at its pixels' corners, in rows y - 1 and y. For the first row of the
-    // band, `last_row` was used above.
+    // Computes the image rows that are now complete. The corners of the pixels in image row y - 1 lie in the
+    // rows y - 1 and y of the records, so image row y - 1 is computed when row y arrives. For the first row
+    // of the band, row y - 1 is not in the band but in `last_row`, and was used above.
     parallel_for(count, [&](std::size_t i) {
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);
     });
-    // Writes each image row as soon as it is complete, not at the end of the call. Otherwise the order of
-    // chunks in the file would depend on the number of rows per call.
+    // Writes the rows of records, and in between each block of image rows as soon as it is complete. If the
+    // blocks were written at the end of the call instead, the order of chunks in the file would depend on the
+    // number of rows per call. The file must not depend on it.
     const int block_rows = rows_per_chunk(picture_codec);
     for (std::size_t i = 0; i < count; ++i) {
         const int y = y_begin + static_cast<int>(i);

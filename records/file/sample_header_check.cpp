@@ -126,8 +126,9 @@ void check_sample_header(const SampleHeader& h, const std::string& file) {
            "0 to 262144");
     demand(h.subdivide_levels >= 0 && h.subdivide_levels <= 10, "subdivision levels", h.subdivide_levels,
            "0 to 10");
-    // Positions are stored as floats with 24 significant bits, which must hold the pixel's index and the
-    // position inside the pixel.
+    // Limits the size of the raster so that positions in it are exact. Positions are stored as floats with 24
+    // significant bits. These bits must hold the index of the pixel and the position inside the pixel, which
+    // needs one bit per level of subdivision.
     const int extent = std::max(h.width, h.height) + h.overscan_px + 1;
     demand(extent <= std::min(largest_extent_px, 1 << (24 - h.subdivide_levels)), "size with overscan",
            extent, "at most 2^(24 - subdivision levels) and 262144");

@@ -75,8 +75,9 @@ glm::dmat4 read_matrix(const TomlTable& table, double unit) {
     }
     const dvec3 x(m[0]), y(m[1]), z(m[2]);
     const double volume = glm::dot(glm::cross(x, y), z);
-    // A negative determinant mirrors the object, which turns it inside out. With a determinant of 0, world
-    // positions cannot be converted to object positions.
+    // Rejects a matrix whose determinant is not positive. A negative determinant mirrors the object, which
+    // turns its surface inside out. A determinant of 0 flattens it, so that positions in the world cannot be
+    // converted back to positions in the object.
     if (!(volume > 1e-12 * glm::length(x) * glm::length(y) * glm::length(z)) || !std::isfinite(volume)) {
         table.fail_at("matrix",
                       "'matrix' flattens or mirrors (got a determinant of {:g}; expected a positive one)",

@@ -23,8 +23,9 @@ class BorderReach {
     /// Returns whether the lens or motion may bring a surface from beyond the border of the recorded image
     /// into the tile `at`.
     [[nodiscard]] bool reaches(const TilePlace& at) const;
-    /// Finds the pixels of a view that a surface from outside the recorded image may cover. Assumes that the
-    /// surfaces at the image border continue beyond it. Writes the assumed surface's inverse depth to
+    /// Finds the pixels of a view that an unrecorded surface outside the recorded image may cover. For this,
+    /// the surfaces at the border of the recorded image are assumed to continue beyond it. For each pixel
+    /// that continued surfaces may cover, the inverse depth of the nearest of them is written to
     /// SeenTile::maybe_inverse_z.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
 
@@ -57,8 +58,9 @@ class BorderReach {
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };
-    /// Position, in raster px, at which a view shows a border pixel of the recorded image: `along` is
-    /// parallel to the border, `across` perpendicular.
+    /// Where a view shows a pixel at the border of the recorded image, as raster coordinates, in px. `along`
+    /// is the coordinate parallel to the border, and `across` the coordinate perpendicular to it. `inverse_z`
+    /// is the inverse depth of the pixel's surface, in 1/m.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

@@ -27,8 +27,9 @@ class MotionMarks {
     [[nodiscard]] std::uint8_t of(std::size_t instant, std::uint32_t sheet) const {
         return marks_[instant][sheet];
     }
-    /// Returns whether any of the given patches (parts of visible surfaces) belongs to a wanted object. An
-    /// object is wanted if its bit mask (PatchField::class_marks) has a bit of PatchField::wanted_marks.
+    /// Returns whether any of the given patches (planar parts of visible surfaces) belongs to a wanted
+    /// object. Each group of moving objects has a bit mask (PatchField::class_marks). An object is wanted if
+    /// the mask of its group has a bit of PatchField::wanted_marks.
     [[nodiscard]] bool any_wanted(std::size_t instant, std::span<const std::uint32_t> patches) const;
     /// Marks the pixels of a tile in which a moving object was recorded at the instant number `instant`. At
     /// other instants of the exposure, the object leaves these pixels and uncovers what lies behind it.

@@ -11,8 +11,9 @@
 
 namespace postlens {
 
-/// While an object moves, the image of a part of its surface is stretched and bent. Computes the most severe
-/// such distortion during the exposure (MotionStrain). Used as PatchLens::motion.
+/// Function that tells how much motion distorts a part of a surface. While an object moves, the image of the
+/// part is stretched and bent. Returns the greatest such distortion at the instants of the exposure
+/// (MotionStrain). Used as PatchLens::motion, which decides how finely surfaces are divided.
 struct StrainOfMotions {
     /// Motions of the objects during the exposure, as maps on the raster. Objects that move alike form a
     /// group, whose number is g. The exposure is sampled at about `strain_views` instants, whose number is i.
@@ -23,8 +24,9 @@ struct StrainOfMotions {
     [[nodiscard]] MotionStrain operator()(const SheetKey& key, const RasterPoint& middle,
                                           const glm::dvec2& slope, const glm::dvec2& reach) const;
 };
-/// Number of instants of the exposure at which motion is tested. It is prime, so that a periodic motion does
-/// not have the same phase at all of them.
+/// Approximate number of instants of the exposure at which motion is tested for distortion. The number is
+/// prime. Otherwise, a periodic motion, such as a vibration, might have the same phase at all of these
+/// instants, and would then seem not to move.
 inline constexpr int strain_views = 17;
 
 }  // namespace postlens

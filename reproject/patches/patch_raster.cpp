@@ -18,8 +18,9 @@ namespace {
 /// edge-on, and covers no sample.
 constexpr double smallest_area = 1e-6;
 
-/// SIMD code processes this many neighbouring samples of an image row together: `few_lanes` for a patch at
-/// most 8 samples wide, `most_lanes` for a wider patch.
+/// SIMD code processes this many neighbouring samples of an image row together. A patch that is at most 8
+/// samples wide is processed with `few_lanes`, because more lanes would be empty. A wider patch is processed
+/// with `most_lanes`.
 constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
@@ -119,8 +120,9 @@ POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::u
     return found;
 }
 
-/// A pixel's colours are stored in a quadtree. Descends from `node` to the leaf that contains (x, y), the
-/// position in the pixel, from 0 to 1. Returns the leaf.
+/// Finds the colour of a patch at one position within a recorded pixel. The pixel's colours are stored in a
+/// quadtree. Starting at the cell `node`, descends to the leaf (undivided cell) that contains (x, y), the
+/// position in the pixel, from 0 to 1. Returns this leaf.
 POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x, float y) {
     for (int level = 0; level < run.depth && (node & SheetNode::leaf) == 0; ++level) {
         x *= 2;
@@ -133,7 +135,9 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
     return node;
 }
 
-/// Draws the samples of the set bits of `found`, one by one.
+/// Draws some of the samples in `lane`, one by one: sample n is drawn if bit n of `found` is set. The colour
+/// of each sample is looked up in the quadtree of the patch's pixel. Where the quadtree has no surface,
+/// nothing is drawn.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));

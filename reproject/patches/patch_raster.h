@@ -47,8 +47,9 @@ struct SeenTile {
     }
 };
 
-/// Position and size of a tile (square of the image), and the position in each pixel at which surfaces are
-/// sampled. A tile may be smaller than SeenTile::edge.
+/// Describes the tile (square of the image) that is drawn: its position, its size, and the position within
+/// each pixel at which surfaces are sampled. At the border of the image, a tile may be smaller than
+/// SeenTile::edge.
 struct TilePlace {
     int x = 0, y = 0;                                     ///< raster px of the first pixel
     int width = SeenTile::edge, height = SeenTile::edge;  ///< pixels in use
@@ -103,8 +104,9 @@ class PixelBlocks {
     std::uint64_t blocks_ = 0;
 };
 
-/// Draws a planar patch of a surface into a tile, with a depth test. Of equally near surfaces, the first one
-/// stays. Back faces are not drawn, because they are not recorded.
+/// Draws a patch (planar part of a surface) into a tile. `place` is the affine map that reprojects the patch.
+/// A depth test keeps the nearest surface in each pixel; of equally near surfaces, the first one stays. Back
+/// faces are not drawn, because they are not recorded.
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 

@@ -9,8 +9,9 @@
 
 namespace postlens {
 
-/// Bounding rectangle of a static patch (planar part of a surface), as seen from any lens point. Its centre
-/// moves linearly with the lens point; its size is fixed.
+/// Data for the rectangle that contains the image of a static patch (planar part of a surface), as seen from
+/// any lens point. The centre of the rectangle moves linearly with the lens point. Its size is constant, and
+/// large enough for all lens points.
 struct PatchReach {
     float x = 0, y = 0;                     ///< centre in the pinhole's view, raster px
     float xx = 0, xy = 0, yx = 0, yy = 0;   ///< W of the centre, 1/m
@@ -22,9 +23,10 @@ struct PatchReach {
             return x1 < left || x0 > right || y1 < top || y0 > bottom;
         }
     };
-    /// Returns the bounding rectangle of the patch (planar part of a surface) as seen from one lens point.
+    /// Returns a rectangle that contains the image of the patch (planar part of a surface) as seen from one
+    /// lens point.
     /// - `lens`: the lens point (LensShift::lens_px)
-    /// - `shift`: displacement, in px, of the image of infinitely distant points
+    /// - `shift`: displacement, in px, of the image of infinitely distant points as seen from this lens point
     [[nodiscard]] Bounds bounds(const glm::vec2& lens, const glm::vec2& shift) const {
         const float at_x = x + shift.x - (xx * lens.x + xy * lens.y),
                     at_y = y + shift.y - (yx * lens.x + yy * lens.y);

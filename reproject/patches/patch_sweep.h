@@ -10,12 +10,14 @@
 
 namespace postlens {
 
-/// Objects with the same motion form a group. Returns the number of the group with which a patch (planar part
-/// of a surface) moves. Reflected or transmitted patches move with their mirror or glass.
+/// Returns the number of the group of objects with which a patch (planar part of a surface) moves. Objects
+/// with the same motion form a group. A patch that is seen by reflection or transmission is assumed to move
+/// with its mirror or glass, and not with the object that it shows.
 [[nodiscard]] std::size_t motion_class_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch);
 
-/// Computes rectangles that contain a patch (planar part of a surface) as seen from all lens points and at
-/// all instants of an image.
+/// Computes a rectangle that contains the image of a patch (planar part of a surface) in all views of an
+/// image. The views differ by their lens points and their instants. From the rectangle follows which tiles of
+/// the image can show the patch.
 class PatchSweep {
   public:
     /// Keeps a reference to `field`.

@@ -10,11 +10,13 @@
 namespace postlens {
 namespace {
 
-/// Largest position error with which a blurred surface may be reprojected. It is a fraction of the surface's
-/// blur radius (the radius of its circle of confusion).
+/// Largest error of position with which a blurred surface may be reprojected, as a fraction of the surface's
+/// blur radius, i.e. the radius of its circle of confusion. The more a surface is blurred, the less a wrong
+/// position is visible.
 constexpr double exact_share = 0.02;
-/// Because of depth errors, a hidden surface could show through a surface closely in front of it. So depth
-/// tests treat the hidden surface as farther away, and reduce its inverse depth by at most this fraction.
+/// Largest amount by which depth tests treat a hidden surface as farther away, as a fraction of its inverse
+/// depth. They do so because a hidden surface closely behind another surface could show through it, since
+/// both depths have errors.
 constexpr double most_back = 0.02;
 /// A surface whose circle of confusion has at least this radius, in px, is drawn in a single colour per
 /// recorded pixel, without finer detail. If the circle is distorted to an ellipse, the smaller semi-axis

@@ -29,13 +29,15 @@ struct PatchLens {
     double radius_px_m = 0;  ///< CoC radius, px, per 1/m of defocus
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
-    /// Seen from other lens points, a reflection or refraction moves differently from its mirror or glass. If
-    /// the difference is at most this many px, it is drawn as if painted on the mirror or glass. Negative:
-    /// never.
+    /// Seen from another lens point, the image in a mirror or glass (a reflection or refraction) moves
+    /// differently from the mirror or glass itself. If the difference, over all lens points, is at most this
+    /// many px, the image is drawn as if it were painted on the mirror or glass. If the value is negative,
+    /// this is never done.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
-    /// Largest position error, in px, of a pixel that is reprojected to another lens point or instant.
-    /// Blurred pixels may have a larger error.
+    /// Largest error of position, in px, that a pixel may have when it is reprojected to another lens point
+    /// or instant. Surfaces are divided into patches that are small enough for this. The error of blurred
+    /// pixels may be larger, because it is less visible.
     double exact_px = 0.1;
     /// Each patch is drawn this many px larger on every side, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
@@ -49,16 +51,16 @@ struct PatchLens {
                                const glm::dvec2& reach)>
         motion;
 
-    /// Returns the radius, in px, of a surface point's circle of confusion. A curved mirror may distort the
-    /// circle to an ellipse; then returns its smaller semi-axis. `w`: how the point's image moves with the
-    /// lens point (Record::w).
+    /// Returns how much the lens blurs a surface point: the radius, in px, of its circle of confusion. A
+    /// curved mirror may distort the circle to an ellipse. Then the smaller semi-axis is returned. `w` is the
+    /// matrix that describes how the point's image moves with the lens point (Record::w).
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
 
-/// When the lens point moves, the image of a reflected or refracted surface is assumed to move linearly. A
-/// surface counts as insufficiently recorded (Patch::bent) if the true motion differs by more than this many
-/// px.
+/// Limit for the nonlinear motion of reflections and refractions. When the lens point moves, their images are
+/// assumed to move linearly. If the true motion differs by more than this many px, the reflected or refracted
+/// surface counts as insufficiently recorded (Patch::bent).
 inline constexpr double most_bend_px = 0.5;
 
 /// A part of a surface that is reprojected as a plane. It has the pixels [x, x + width) x [y, y + height) of
@@ -90,20 +92,23 @@ struct PatchMesh {
     /// describes how the image moves with the lens point. They are stored only for surfaces in mirrors and
     /// glass.
     std::vector<CellPlane> planes;
-    /// For each sheet (part of a surface): bits (child_bit) that tell whether its reflection and its
-    /// refraction move with it, as if painted on it, instead of as separate surfaces. PatchLens::follow_px
-    /// decides this.
+    /// For each sheet (part of a surface): whether its reflection and its refraction are drawn as if painted
+    /// on it, because they move almost as it does, instead of as separate surfaces. Each is one bit
+    /// (child_bit), which is set if this is so. The limit is PatchLens::follow_px.
     std::vector<std::uint8_t> follows;
 
-    /// A mirror's image may move differently from the mirror; then it is drawn as a separate surface. Returns
-    /// bits (child_bit) that tell whether this is so for the recorded colour's reflection and refraction.
+    /// The recorded colour number `texel` may belong to a mirror or glass. Returns one bit (child_bit) each
+    /// for its reflection and its refraction. The bit is set if it is drawn as a separate surface, because
+    /// its image moves differently from the mirror or glass.
     [[nodiscard]] std::uint8_t drawn_children(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::uint8_t children = t.children();
         return children == 0 ? children : static_cast<std::uint8_t>(children & ~follows[t.sheet()]);
     }
-    /// Returns whether a recorded colour is uncertain, because an edge crosses its quadtree cell. This may
-    /// also be an edge in a reflection or refraction that is drawn as if painted on the surface.
+    /// Returns whether the recorded colour number `texel` is uncertain, because an edge crosses its quadtree
+    /// cell. The edge may also lie in a reflection or refraction. It counts only if this is drawn as if
+    /// painted on the surface, because otherwise the reflection or refraction is a separate surface with its
+    /// own colours.
     [[nodiscard]] bool unsure(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
@@ -122,8 +127,9 @@ struct PatchMesh {
         }
         return rgb;
     }
-    /// Returns the recorded colour `texel`, including reflections and refractions drawn as if painted on the
-    /// surface, not as separate surfaces.
+    /// Returns the radiance of the recorded colour number `texel`. It includes the reflections and
+    /// refractions that are drawn as if painted on the surface. Those that are drawn as separate surfaces are
+    /// not included.
     [[nodiscard]] glm::vec3 light(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::array<float, 3> more = following(texel);
@@ -164,9 +170,9 @@ struct PointRays {
     double inverse_focus_per_m = 0;
 };
 
-/// A patch (part of a surface) blocks rays from a scene point to some pixels of its circle of confusion.
-/// Computes the map from the patch to these pixels, linearised at the patch's centre. Returns false if the
-/// map is singular.
+/// Computes which pixels a patch (planar part of a surface) hides from a scene point. The rays from this
+/// point to the pixels of its circle of confusion cross the patch. They project it onto the pixels, and `out`
+/// receives this map, linearised at the patch's centre. Returns false if the map is singular.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
 struct PlacedPatch {

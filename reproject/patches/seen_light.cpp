@@ -104,9 +104,9 @@ POSTLENS_MULTIVERSION void add_seen_light(std::span<const Texel> texels, const S
             std::memcpy(&sum, sums[k].data(), sizeof sum);
             sum += weights * __builtin_convertvector(light, Double4);
             std::memcpy(sums[k].data(), &sum, sizeof sum);
-            // Every pixel is written to the end of the list, but only pixels with reflections or refractions
-            // are counted. The next pixel overwrites one that was not counted. A branch would often be
-            // mispredicted.
+            // Every pixel is written to the end of the list `with_children`, but only a pixel with
+            // reflections or refractions increases the length of the list. Therefore, the next pixel
+            // overwrites one that does not belong to the list. A branch instead would often be mispredicted.
             with_children.pixels[count] = static_cast<std::uint16_t>(k);
             count += t.children() != 0 ? 1 : 0;
         }

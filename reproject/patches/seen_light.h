@@ -1,5 +1,5 @@
-// A view is the image for one lens point and instant. For each pixel of a tile, sums the radiance of directly
-// visible surfaces over all views.
+// Sums the radiance of directly visible surfaces over all views, for each pixel of a tile (square of the
+// image). A view is the image for one lens point and instant.
 #pragma once
 
 #include <array>
@@ -10,8 +10,9 @@
 
 namespace postlens {
 
-/// A view is the image for one lens point and instant; each has its own weight. For each pixel of a tile: the
-/// sums, over all views, of weight * r, weight * g, weight * b and weight.
+/// Sums over the views (images for one lens point and instant), for each pixel of a tile. Each view has its
+/// own weight. The four values of a pixel are the sums of weight * r, weight * g, weight * b and weight. So
+/// the first three divided by the fourth are the mean colour.
 using LightSums = std::array<std::array<double, 4>, SeenTile::pixels>;
 /// A list of pixels of a tile.
 struct PixelList {
@@ -21,9 +22,10 @@ struct PixelList {
     [[nodiscard]] auto end() const { return pixels.begin() + static_cast<std::ptrdiff_t>(count); }
 };
 
-/// A view is the image for one lens point and instant. Adds a view's colours to `sums`, in the first `width`
-/// x `height` pixels of a tile. Lists in `with_children` those pixels that show surfaces with reflections or
-/// refractions.
+/// Adds the colours of one view (image for one lens point and instant) to `sums`, for the first `width` x
+/// `height` pixels of a tile. `seen` tells which recorded colour of `texels` each pixel shows, and `weight`
+/// is the weight of the view. Lists in `with_children` those pixels that show surfaces with reflections or
+/// refractions, whose light must be added separately.
 void add_seen_light(std::span<const Texel> texels, const SeenTile& seen, int width, int height, double weight,
                     LightSums& sums, PixelList& with_children);
 
