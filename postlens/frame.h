@@ -66,9 +66,10 @@ struct Records {
     /// matrix divided by the depth [Igehy 1999].
     std::vector<float> w = {};
     /// Error of the matrix W (`w`) of each record, in 1/m^2. W describes the motion of the surface's image as
-    /// a linear function of the lens point, but behind curved mirrors and glass the true motion is nonlinear.
-    /// The error grows with the square of the distance from the lens centre. It is 0 if it was not measured.
-    /// It is infinite if other lens points see the surface by other reflections or refractions.
+    /// a linear function of the lens point, but in curved mirrors and through glass the true motion is
+    /// nonlinear. For a lens point R metres from the lens centre, the image's position is wrong by `w_bend`
+    /// R^2 times film distance / pixel pitch, in px. The error is 0 if it was not measured. It is infinite if
+    /// other lens points see the surface by other reflections or refractions.
     std::vector<float> w_bend = {};
 };
 

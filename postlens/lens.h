@@ -19,9 +19,9 @@ struct LensSettings {
     /// F-number n, more than 0 (`--f-number`). The diameter of the aperture is focal length / n. Infinity
     /// means a pinhole.
     std::optional<double> f_number = {};
-    /// Distance from the lens to the plane in focus along the optical axis, in m, more than 0 (`--focus`). It
-    /// may be infinite. With `framing` "lens", with `breathing`, and in functions that take no `Frame`, it
-    /// must be more than the focal length.
+    /// Focus distance in m, more than 0 (`--focus`): the distance along the optical axis from the lens to the
+    /// plane in focus. It may be infinite. It must be more than the focal length with `framing` "lens", with
+    /// `breathing`, and in functions that take no `Frame`.
     std::optional<double> focus_distance_m = {};
     /// Focuses on the surface that the pinhole sees at this position (`--focus-at`). It cannot be combined
     /// with `focus_distance_m`.

@@ -240,9 +240,9 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
     const int last_pixel_row = std::min(pixel_y_end, y_end) - 1;
     if (first_pixel_row > last_pixel_row) return;
 
-    // A quadtree cell has corners in the row of samples above it and in the row below it. So a cell whose
-    // area counts may also have corners outside the requested rows. `above` and `below` contain the samples
-    // of the neighbouring rows, which are read only to complete such cells.
+    // The corners of a quadtree cell in pixel row y are stored in the rows y and y + 1 of the samples. So a
+    // cell whose area counts may have some of its corners outside the requested rows. `above` and `below`
+    // contain the samples of the neighbouring rows, which are read only to complete such cells.
     PointSamples above, below;
     above.offsets.assign(1, 0);
     below.offsets.assign(1, 0);

@@ -78,8 +78,8 @@ struct RecordMark {
     /// The texture is too fine for the samples: its colour changes between this sample and its neighbours,
     /// and the quadtree allows no samples in between.
     static constexpr std::uint8_t fine_texture = 1;
-    /// The surface is not known between this sample and its neighbours. The rays may have passed beside
-    /// something narrow: a gap in the object, or another part of its mesh.
+    /// The surface is not known between this sample and its neighbours. The rays may have missed something
+    /// narrow there: a gap in the object, or another part of its mesh.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };
@@ -95,10 +95,10 @@ struct Record {
     std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
     /// Error of the matrix `w`, in 1/m^2. `w` describes the motion of the surface's image with the lens point
-    /// as a linear map, but behind curved mirrors and glass the motion is nonlinear. For a lens point R
-    /// metres from the lens centre, the image's position is wrong by w_bend * R^2 * film distance / pixel
-    /// pitch, in px. 0 if not measured. Infinite if other lens points see the surface by another sequence of
-    /// reflections and refractions.
+    /// as a linear map, but in curved mirrors and through glass the true motion is nonlinear. For a lens
+    /// point R metres from the lens centre, the image's position is wrong by w_bend * R^2 * film distance /
+    /// pixel pitch, in px. 0 if not measured. Infinite if other lens points see the surface by another
+    /// sequence of reflections and refractions.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;

@@ -44,7 +44,7 @@ class SampleFileWriter {
 
     /// Writes the next rows of records. The rows of an instant must be passed from top to bottom, from y =
     /// -overscan to y = height + overscan. Each row extends from x = -overscan to x = width + overscan. The
-    /// last row and column belong to the lower and right corners of pixels.
+    /// last row and column contain the lower and right corners of the last pixels.
     void write(const RecordBand& band);
     /// Ends the current instant of a moving scene, so that the next rows belong to the next recorded instant,
     /// beginning with its top row. Throws Error(invalid_input) if rows of the current instant are missing, or

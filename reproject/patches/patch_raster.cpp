@@ -375,7 +375,7 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     // The pixels of the tile are drawn in rows. The positions of the samples in a row are computed from that
     // of its first sample, so their rounding depends on where the row starts. Therefore, every row starts at
     // the tile's left border, even if only pixels farther right are needed. So the result does not depend on
-    // `part`.
+    // `wanted.part`.
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;

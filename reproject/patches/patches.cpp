@@ -234,10 +234,10 @@ PatchLens patch_lens(const FocusGeometry& geometry) {
 }
 
 double PatchLens::least_blur_px(const Mat2& w) const {
-    // The 2x2 matrix W (`w`) describes how the surface point's image moves with the lens point. Relative to
-    // the film, which is focused at the distance s, the image moves by (I / s - w) q if the lens point moves
-    // by q; I is the unit matrix. So all points of a circular lens together blur the point to an ellipse. The
-    // smaller singular value of I / s - w gives its smaller semi-axis.
+    // The 2x2 matrix W (`w`) describes how the surface point's image moves with the lens point. For a lens
+    // focused at the distance s, the image on the film moves by (I / s - w) q if the lens point moves by q; I
+    // is the unit matrix. So all points of a circular lens together blur the point to an ellipse. The smaller
+    // singular value of I / s - w gives its smaller semi-axis.
     const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
                  c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
     // std::hypot would be slower, and this code runs for every pixel of every surface. Overflow cannot happen
