@@ -173,9 +173,9 @@ class MotionBlur {
         return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
 
-    // Returns true if the file holds several recorded instants and shadows, reflections or shading may change
-    // between them. In this case, the method `automatic` uses the method lightfield, because convolution
-    // would blur the light of a single instant.
+    // Returns true if the method is `automatic`, the file holds several recorded instants, and shadows,
+    // reflections or shading may change during the exposure. Moving objects are then blurred by the method
+    // lightfield, because convolution would blur the light of a single instant.
     [[nodiscard]] bool keys_show_other_light() const {
         return file_.instants() > 1 && settings_.method == MotionMethod::automatic &&
                UnseenMotion(header_, with_unseen(moving_ids(motions_)), settings_.exposure).possible();
@@ -259,8 +259,7 @@ class MotionBlur {
 
     /// Blurs groups by convolution. A group consists of the moving objects that have the same motion path.
     /// With the method `automatic`, a group is left to the method `lightfield` if another moving group passes
-    /// over the same pixels and the error of convolution would be large. Its mean coverage and light, which
-    /// convolution gives, then do not suffice to composite the two groups.
+    /// over the same pixels and the error of convolution would be large.
     void convolve_groups() {
         ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
                                           settings_.curve, across_per_px(header_));

@@ -30,9 +30,8 @@ bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only,
 enum class MotionKind {
     still,        ///< stays within 0.01 px of its recorded position
     translation,  ///< parallel to the film: within 0.25 px, every point moves like the box's centre
-    /// Kind of motion of an object that moves parallel to the film, but whose near points move visibly
-    /// farther in the image than its distant points. The displacement of each point is proportional to its
-    /// inverse depth. Deviations from this are at most 0.25 px.
+    /// The object moves parallel to the film, but its near points move visibly farther in the image than its
+    /// distant points. The displacement of each point is proportional to its inverse depth, within 0.25 px.
     parallax,
     general  ///< rotates, approaches, or passes the camera
 };
@@ -68,10 +67,8 @@ struct Exposure {
 inline constexpr double still_px = 0.01;
 inline constexpr double translation_px = 0.25;
 
-/// Classifies how an object moves in the image. For this, the displacements of the corners of its bounding
-/// box are compared with each other and with that of the box's centre. They are evaluated at the instants
-/// that probe_times returns: uniform steps of the exposure, and the instants at which the velocity changes
-/// abruptly.
+/// Classifies how an object moves in the image. For this, the displacement of each corner of its bounding box
+/// is compared with that of the box's centre, at the instants that probe_times returns.
 [[nodiscard]] IdMotion classify(const FrameMotion& motion, std::uint32_t id, const IdExtent& extent,
                                 double recorded_s, const Exposure& exposure);
 

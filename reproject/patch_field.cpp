@@ -87,9 +87,9 @@ class Field {
     }
 
   private:
-    /// Draws a piece: a square part of a tile, which is a 64 px square of the image. `tile` is the number of
-    /// the tile. (x, y) is the upper left corner of the piece, in px from the tile's corner. All its views
-    /// are drawn, and added to the images `out`.
+    /// Draws all views of a piece, and stores their means in the images `out`. A piece is a square part of a
+    /// tile, which is a 64 px square of the image. (x, y) is the upper left corner of the piece, in px from
+    /// the tile's corner.
     void draw_piece(std::size_t tile, int x, int y, Workplace& w, std::span<PatchPicture> out) const {
         const int x0 = static_cast<int>(tile) % bins_.columns() * SeenTile::edge + x,
                   y0 = static_cast<int>(tile) / bins_.columns() * SeenTile::edge + y;
@@ -262,8 +262,8 @@ class Field {
     }
 
     /// Removes the recorded surface from each pixel of the view that an unrecorded object may hide. Such an
-    /// object lies outside the recorded image. Seen from the lens point of this view, its image may move into
-    /// the image and cover recorded surfaces near the border.
+    /// object lies outside the recorded image. Seen from the lens point of this view and at its instant, it
+    /// may lie inside the image and cover recorded surfaces.
     void leave_out_beyond_border(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             const BorderReach& border = borders_[v.uses[u].instant];

@@ -31,10 +31,9 @@ struct PatchView {
     struct Use {
         std::size_t instant = 0;
         double share = 1;  ///< weight of the colour at this instant if both instants show the same surface
-        /// Motions of the objects between two instants, as maps on the raster. Objects that move alike form a
-        /// group, and the vector has one map for each group. A map leads from the position at the recorded
-        /// instant `instant` to the position at the instant of this view. The vector is empty if nothing
-        /// moves.
+        /// Motions of the objects, as maps on the raster. Objects that move alike form a group, and the
+        /// vector has one map for each group. A map leads from the position at the recorded instant `instant`
+        /// to the position at the instant of this view. The vector is empty if nothing moves.
         std::vector<RasterMap> motions;
     };
     std::vector<Use> uses;  ///< one or two
@@ -70,10 +69,9 @@ enum class LeftToRays : std::uint8_t {
 /// views is an image, or a part of an image if the set is used only in some squares.
 struct PatchViews {
     std::vector<PatchView> views;
-    /// Squares of the image may use different sets of views, so that their noise is independent. This
-    /// function tells where this set is used: it returns whether its views are drawn in the square of `width`
-    /// x `height` px whose upper left pixel is (x, y). If the function is empty, they are drawn in all
-    /// squares.
+    /// Squares of the image may use different sets of views. Returns whether the views of this set are drawn
+    /// in the square of `width` x `height` px whose upper left pixel is (x, y). If the function is empty,
+    /// they are drawn in all squares.
     std::function<bool(int x, int y, int width, int height)> wanted;
     /// Adds highlights to the image: small bright spots of surfaces, which the lens blurs over many pixels.
     /// Their light is not part of the views' recorded colours. Null if there are none. Several threads call
@@ -125,7 +123,8 @@ struct PatchField {
     glm::ivec2 recorded_begin{0}, recorded_end{0};
     /// Half width and half height of the lens, in m, times film distance / pixel pitch, in px m. These are
     /// the largest |x| and |y| that LensShift::lens_px, the lens point of a view, can have. Required if any
-    /// set has `rays` or `lights`, because these may use lens points other than those of the views.
+    /// set has `rays` or `lights`. For instance, the light of a highlight may reach a pixel through lens
+    /// points that no view has.
     glm::dvec2 lens_reach_px{0};
 };
 
@@ -140,7 +139,7 @@ struct TileViews {
     std::vector<std::uint32_t> texel;
     /// All directly visible patches (planar parts of surfaces) that any lens point may see in this square of
     /// the image, sorted from the nearest on. They tell which surfaces may hide a highlight. Null if objects
-    /// move, because the patches then differ from view to view.
+    /// move.
     const PatchMesh* patches = nullptr;
 };
 

@@ -70,8 +70,8 @@ struct LensShift {
 
 /// Returns one map that combines the motion of an object with the displacement of its image by a lens point.
 /// The object must be directly visible. For a reflection, the displacement does not depend on the depth, but
-/// on a matrix W that this map does not contain. `motion` must belong to a perspective camera, because an
-/// orthographic one is a pinhole; otherwise, `lens` must cause no displacement.
+/// on a matrix W that this map does not contain. `motion` must belong to a perspective camera, unless `lens`
+/// causes no displacement.
 [[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
 
 /// Returns the matrix that maps raster points to homogeneous camera coordinates at the frame's instant. The

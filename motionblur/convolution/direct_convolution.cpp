@@ -92,10 +92,9 @@ struct Orientation {
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
-    // A run is a sequence of equal neighbouring weights of the blur kernel. It is applied to the object's
-    // image at once, which saves time. Runs are found only along rows. If the columns of the kernel contain
-    // longer runs, kernel and image are therefore transposed before the convolution, and the result
-    // afterwards. `turning` is the cost of transposing. The unit is the time to apply one weight.
+    // Runs of equal weights save time, but they are found only along rows of the blur kernel. If its columns
+    // contain longer runs, kernel and image are therefore transposed before the convolution, and the result
+    // afterwards. `turning` is the time of transposing, in units of the time to apply one weight.
     constexpr double turning = 12;
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
@@ -136,9 +135,9 @@ struct Terms {
     std::vector<CellTerm> cells;
     std::vector<RunTerm> runs;
 };
-/// A row of the blur kernel. `columns` is the range of its nonzero weights. Runs of equal neighbouring
-/// weights are applied at once. They are the elements Terms::runs [runs_begin, runs_end). All other weights
-/// are applied singly. They are the elements Terms::cells [cells_begin, cells_end).
+/// A row of the blur kernel. `columns` is the range of its nonzero weights. Its runs of equal weights are the
+/// elements Terms::runs [runs_begin, runs_end). All other weights are the elements Terms::cells [cells_begin,
+/// cells_end).
 struct PathRow {
     int y;
     ColumnRange columns;
@@ -194,7 +193,7 @@ class DirectConvolution {
     void run(Planes& result) const {
         // The result, the blurred image, is divided into blocks of 64 x 64 cells. Each task of parallel_for
         // computes one block, row by row. Neighbouring rows of a block are computed mostly from the same rows
-        // of the object's image. These rows stay in the cache, because a block is narrow.
+        // of the object's image. These rows stay in the cache.
         constexpr int band = 64;
         const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
         const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);

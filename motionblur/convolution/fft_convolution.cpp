@@ -32,10 +32,9 @@ struct Axis {
 /// one axis. A convolution by FFT is periodic, with the size as its period. Its repetitions must not overlap
 /// these indices.
 int needed_size(const Axis& axis, int x0, int x1) {
-    // [x0, x1) are the indices of the result for which the FFT size is determined. The blur kernel shifts
-    // values of the object's image by its indices [p0, p1). Therefore, only the indices [a, b) of the
-    // object's image contribute to these results. If this range is empty, the results are 0. Then every FFT
-    // size is correct, so 1 is returned.
+    // The blur kernel shifts values of the object's image by its indices [p0, p1). Therefore, only the
+    // indices [a, b) of the object's image contribute to the result at [x0, x1). If there are none, the
+    // result is 0, so every FFT size is correct.
     const int a = std::max(axis.s0, x0 - axis.p1 + 1), b = std::min(axis.s1, x1 - axis.p0);
     if (a >= b) return 1;
     return std::max({b + axis.p1 - 1 - x0, x1 - a - axis.p0, x1 - x0, b - a, axis.p1 - axis.p0});

@@ -121,10 +121,9 @@ class Composite {
                 known = std::max(known, static_cast<std::size_t>(g));
                 continue;
             }
-            // The depths of the groups of moving objects divide the depth range into intervals. `rank` is the
-            // index of the interval that contains the static surface s. It is the number of moving groups in
-            // front of s. `depths_` holds the inverse depths of the groups in descending order, so this
-            // number is found by a binary search.
+            // `rank` is the index of the depth interval that contains the static surface s. It is the number
+            // of moving groups in front of s. `depths_` holds the inverse depths of the groups in descending
+            // order, so this number is found by a binary search.
             const auto rank = static_cast<std::size_t>(
                 std::partition_point(depths_.begin(), depths_.end(),
                                      [&](double depth) { return depth > static_cast<double>(s.inverse_z); }) -
@@ -195,8 +194,7 @@ double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther)
             const double c = std::clamp(static_cast<double>((*nearer.at(x, y))[3]), 0.0, 1.0);
             // c is the mean coverage of the pixel by the nearer of the two groups. During the exposure, this
             // coverage varies between 0 and 1, so its variance is at most c (1 - c). For radiances up to 1,
-            // the variance of the farther group's light is at most that group's mean coverage. The product of
-            // both bounds the squared error.
+            // the variance of the farther group's light is at most that group's mean coverage.
             sum += c * (1 - c) * std::clamp(static_cast<double>((*farther.at(x, y))[3]), 0.0, 1.0);
         }
     }

@@ -64,7 +64,7 @@ void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, 
 }
 
 /// Draws an image of the moving group g at the recorded instant, as a raster of square cells. A cell is
-/// 1/cells_per_px px wide. It shows the group's nearest recorded surface, even if an object of another group
+/// 1/cells_per_px px wide. It shows the group's nearest recorded surface, even if an object outside the group
 /// hides this surface.
 [[nodiscard]] Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, int cells_per_px);

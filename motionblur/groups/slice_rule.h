@@ -16,9 +16,8 @@ struct PassedBox {
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// Returns how much of the area over which a moving group passes shows static surfaces among the group's
-/// depths. The result is the fraction of this area in which static surfaces lie between the group's nearest
-/// and farthest depth.
+/// A moving group passes over an area of the image. Returns the fraction of this area in which static
+/// surfaces lie between the group's nearest and farthest depths.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 

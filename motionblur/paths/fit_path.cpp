@@ -81,9 +81,8 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     const glm::dmat4 inverse = glm::inverse(normal);
     const dvec4 x = inverse * right_x, y = inverse * right_y;
     for (int k = start ? 1 : 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] += dvec2(x[k], y[k]);
-    // If the cubic, one segment of the motion path, was fitted to only two points, it must end exactly at the
-    // second point. The fit reaches this point only up to a rounding error, so the last control point is set
-    // to it.
+    // A cubic that was fitted to only two points must end exactly at the second point. The fit reaches this
+    // point only up to a rounding error, so the last control point is set to it.
     if (last == first + 1) out.control[3] = points[last].at_px;
     for (std::size_t i = first; i <= last; ++i)
         if (!(glm::distance(out.at(share(i)), points[i].at_px) <= tolerance_px)) return std::nullopt;
@@ -222,7 +221,7 @@ PathFit fit_path(Points points, double tolerance_px) {
     if (segments.size() > most_refined_segments) return best;
     // Estimates the smallest number of segments that a spline needs to follow the points. For this, it counts
     // the segments of a fit with fewer constraints: the cubic of a segment need not begin where the previous
-    // cubic ends, and the tolerance is twice as large. Such a fit needs fewer segments than the spline.
+    // cubic ends, and the tolerance is twice as large.
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;

@@ -113,9 +113,8 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     };
     const PathPoint &first = points.front(), &last = points.back();
     if (open_s == close_s) {
-        // If the exposure opens and closes at the same time, it is a single instant, and the object does not
-        // move during it. So the object is drawn at one point of its motion path: the first point at or after
-        // this instant, or, if there is none, the last point.
+        // If the exposure is a single instant, the object is drawn at one point of its motion path: the first
+        // point at or after this instant, or, if there is none, the last point.
         const auto at = std::find_if(points.begin(), points.end() - 1,
                                      [&](const PathPoint& p) { return p.time_s >= open_s; });
         stand(0, 1, static_cast<std::size_t>(at - points.begin()));

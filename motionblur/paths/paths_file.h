@@ -22,7 +22,7 @@ using RigidKeys = std::vector<TransformKey>;
 
 /// An entry of a file of motion paths: a motion (`motion`), and the objects that it moves, given by their ids
 /// (`ids`) and names (`objects`). At each instant, an object is displaced by the motion's position at this
-/// instant minus its position at the frame's time, so it is not displaced at the frame's time.
+/// instant minus its position at the frame's time.
 struct ObjectPath {
     std::vector<std::uint32_t> ids;    ///< each is at least 1 and occurs once
     std::vector<std::string> objects;  ///< names in the sample file

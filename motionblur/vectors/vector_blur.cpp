@@ -79,8 +79,7 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
 
 /// Returns `picture` with the background behind moving objects, interpolated from other pixels. If `weight`
 /// is not empty, these are the pixels whose `weight` is 1. Otherwise, they are the pixels of the blurred
-/// image `seen` that show a surface in at least one view (image at a single instant), that is, in which
-/// `seen.unknown`, the fraction of views without a surface, is less than 1.
+/// image `seen` that show a surface in at least one view (image at a single instant).
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {

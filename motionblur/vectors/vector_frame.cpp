@@ -18,9 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double longest_vector = 1e6;  ///< largest accepted length of a vector, px
-/// Largest accepted number of pixels in the file's data window and display window together. Each pixel
-/// becomes four vertices of a mesh. The vertices are counted by integers of 32 bits, which a larger number of
-/// pixels would exceed.
+/// Largest accepted number of pixels in the file's data window and display window together. Pixels are
+/// numbered by integers of 32 bits, of which some are flags.
 constexpr std::uint64_t most_pixels = 1U << 29U;
 
 class Reader {

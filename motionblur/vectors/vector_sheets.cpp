@@ -188,10 +188,9 @@ class SheetMaker {
         const bool to_side = joined(&p, side), to_over = joined(&p, over);
         const bool side_across = joined(side, across), over_across = joined(over, across);
         const bool has_across = (to_side && side_across) || (to_over && over_across);
-        // The velocity at a corner of a pixel is the mean of the velocities of up to four pixels that share
-        // the corner. Each of these pixels computes this mean separately. So that all results are
-        // bit-identical, `parts` arranges the pixels by their position, and their velocities are always added
-        // in this order.
+        // Each of the up to four pixels that share this corner computes this mean separately. So that all
+        // results are bit-identical, `parts` arranges the pixels by their position, and their velocities are
+        // always added in this order.
         const VectorPixel* parts[2][2];
         const int i = dx < 0 ? 1 : 0, j = dy < 0 ? 1 : 0;
         parts[j][i] = &p;

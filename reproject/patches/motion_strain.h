@@ -11,9 +11,9 @@
 
 namespace postlens {
 
-/// Function that tells how much motion distorts a part of a surface. While an object moves, the image of the
-/// part is stretched and bent. Returns the greatest such distortion at the instants of the exposure
-/// (MotionStrain). Used as PatchLens::motion, which decides how finely surfaces are divided.
+/// While an object moves, the image of a part of its surface is stretched and bent. This function returns the
+/// greatest such effects at some instants of the exposure (MotionStrain). Used as PatchLens::motion, which
+/// decides how finely surfaces are divided.
 struct StrainOfMotions {
     /// Motions of the objects during the exposure, as maps on the raster. Objects that move alike form a
     /// group, whose number is g. The exposure is sampled at about `strain_views` instants, whose number is i.

@@ -77,10 +77,9 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 // sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Tests which of `lanes` successive samples of an image row a patch covers. `there` contains the inverse
-/// depths of the surfaces that were drawn before. Bit n of the result is set if the patch covers sample
-/// `begin` + n and is nearer than the surface there, whose inverse depth is there[n]. `lane` receives the
-/// positions and inverse depths of the samples.
+/// Tests which of `lanes` successive samples of an image row a patch covers. Bit n of the result is set if
+/// the patch covers sample `begin` + n and is nearer there than the surface drawn before, whose inverse depth
+/// is there[n]. `lane` receives the positions and inverse depths of the samples.
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
@@ -342,8 +341,8 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
         // Clears the tile's whole row of pixels, and not only the pixels in `part`. The surfaces are drawn by
-        // draw_patch_in, which reads and tests each row from the tile's left border on. The infinite inverse
-        // depth prevents drawing outside the wanted pixels.
+        // draw_patch_in, which also reads and tests pixels to the left of `part`. The infinite inverse depth
+        // prevents drawing outside the wanted pixels.
         std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
         std::fill_n(out.maybe_inverse_z.data() + row, SeenTile::edge, SeenTile::nothing);
@@ -373,9 +372,9 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     if (!(torn <= largest_torn_px) || !(std::abs(glm::determinant(m)) > smallest_area)) return;
     const std::uint32_t parent_id = mesh.sheet(patch).key.parent_id;
     // The pixels of the tile are drawn in rows. The positions of the samples in a row are computed from that
-    // of its first sample, so their rounding depends on where the row starts. Therefore, every row starts at
-    // the tile's left border, even if only pixels farther right are needed. So the result does not depend on
-    // `wanted.part`.
+    // of its first sample, so their rounding depends on where the row starts. Therefore, a row starts where
+    // the patch or the tile begins, even if only pixels farther right are needed. So the result does not
+    // depend on `wanted.part`.
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;

@@ -48,8 +48,8 @@ struct SeenTile {
 };
 
 /// Describes the tile (square of the image) that is drawn: its position, its size, and the position within
-/// each pixel at which surfaces are sampled. At the border of the image, a tile may be smaller than
-/// SeenTile::edge.
+/// each pixel at which surfaces are sampled. The tile may be smaller than SeenTile::edge, for instance at the
+/// border of the image.
 struct TilePlace {
     int x = 0, y = 0;                                     ///< raster px of the first pixel
     int width = SeenTile::edge, height = SeenTile::edge;  ///< pixels in use
@@ -142,8 +142,7 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
 
 /// Draws a patch (planar part of a surface) that is seen in a mirror or through glass. It is drawn, with a
 /// depth test, only in the pixels of `wanted` that show its mirror or glass. `wanted` and `out` must come
-/// from find_wanted. A patch that reprojection magnifies more than `largest_torn_px` times is left out,
-/// because its map is then too inaccurate.
+/// from find_wanted. A patch that reprojection magnifies more than `largest_torn_px` times is left out.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

@@ -111,9 +111,8 @@ class Cutter {
         return s.first_cell + static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) +
                static_cast<std::size_t>(x);
     }
-    /// Visits those pixels of a rectangle in which the current surface is present, because other surfaces may
-    /// cover the rest. Calls `visit` for each of them. If `visit` returns false, stops and returns false;
-    /// otherwise returns true.
+    /// Calls `visit` for each pixel of a rectangle in which the current surface is present. If `visit`
+    /// returns false, stops and returns false; otherwise returns true.
     template <typename Visit>
     bool each_cell(int x0, int y0, int width, int height, const Visit& visit) const {
         for (int y = y0; y < y0 + height; ++y) {

@@ -41,9 +41,8 @@ struct PatchLens {
     double exact_px = 0.1;
     /// Each patch is drawn this many px larger on every side, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
-    /// Returns the largest effects of motion on a part of a surface during the exposure (MotionStrain): the
-    /// displacement per error of inverse depth, and the deviation of the motion from an affine map, in px.
-    /// Empty if nothing moves.
+    /// Returns the largest effects of motion on the image of a part of a surface during the exposure. Empty
+    /// if nothing moves.
     /// - `middle`: centre of the part
     /// - `slope`: gradient of the part's inverse depth, per px
     /// - `reach`: half width and height of the part, in px

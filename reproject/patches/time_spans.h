@@ -19,10 +19,9 @@ struct TimeSpanViews {
     ViewUse first, last;
 };
 
-/// A view is the image for one lens point and instant. Views that show moving objects are reprojected from
-/// one or two recorded instants. This function finds the views that use the recorded instant with the index
-/// `instant`, and groups them into short time spans. The result points into `field`, so `field` must outlive
-/// it.
+/// Finds the views (images for one lens point and instant) that show moving objects and use the recorded
+/// instant with the index `instant`. Groups those of sets with a ray tracer into short time spans. Each other
+/// view is a span of its own. The result points into `field`, so `field` must outlive it.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

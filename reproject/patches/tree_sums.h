@@ -42,13 +42,12 @@ class TreeSums {
     /// surfaces seen in it, so call this function for shorter paths first.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Returns whether the recorded surfaces determine the reflected and refracted light of pixel k. For
-    /// this, three conditions must hold for all surfaces seen there by reflection or refraction. They must be
-    /// recorded, they must have no edge in the pixel, and their images must be reprojected accurately.
+    /// this, all surfaces seen there by reflection or refraction must be recorded, have no edge in the pixel,
+    /// and be reprojected accurately.
     [[nodiscard]] bool sure(std::size_t k) const;
     /// Returns the radiance that reaches the eye through pixel k from surfaces seen by reflection or
-    /// refraction. Only those that are drawn as separate surfaces are included, not those drawn as if painted
-    /// on a mirror or glass. Call only if sure(k) is true, because only then do the recorded surfaces
-    /// determine this light.
+    /// refraction. Those that are drawn as if painted on the directly visible surface are not included. Call
+    /// only if sure(k) is true, because only then do the recorded surfaces determine this light.
     [[nodiscard]] glm::dvec3 light(std::size_t k) const;
     void add(std::size_t k, double weight);
     /// Call after the last view, before sum_up.

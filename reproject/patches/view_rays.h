@@ -36,8 +36,9 @@ struct ShownView {
     }
     /// A view may blend the colours from two recorded instants. Returns the weight, 0 to 1, of the colour
     /// from instant `u` (0 or 1) in pixel `k`. If both instants show the same surface there, the weight is
-    /// Use::share. Otherwise, only the nearer of the two surfaces counts. But if has_vague_outline is true
-    /// for the nearer one, its outline may be wrong there, so only the farther one counts.
+    /// Use::share. If the other instant shows no surface, it is 1. Of two different surfaces, only the nearer
+    /// one counts, or only the farther one if has_vague_outline is true for the nearer one, whose outline may
+    /// then be wrong.
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;

@@ -35,9 +35,8 @@ struct LeafPiece {
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
-    /// A piece is a quadtree cell that shows one surface, or a quarter of a cell. True if this piece is a
-    /// quarter of a cell that an edge crosses, so that the surface may be absent from a part or the whole of
-    /// the piece.
+    /// True if this piece is a quarter of a cell that an edge crosses, so that the surface may be absent from
+    /// a part or the whole of the piece.
     bool maybe = false;
 };
 
@@ -54,7 +53,7 @@ class LeafPieces {
     /// Calls take(key, pieces) once for each surface in the square of the raster that was passed to
     /// `collect`. `key` is the surface's index in SheetKeys, and the calls are in ascending order of it.
     /// `pieces` are the quadtree cells, or quarters of cells, that show the surface. Call this function once
-    /// after each `collect`, because it resets the lists.
+    /// after each `collect`, because it resets the counts of pieces.
     template <typename Take>
     void each_surface(const Take& take) {
         std::uint32_t begin = 0;

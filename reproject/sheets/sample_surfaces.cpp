@@ -225,10 +225,9 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
                 }
                 const Record* seen_in = parents[i] != i ? first + parents[i] : nullptr;
                 if (seen_in == nullptr && !own_tree) {
-                    // The records of one eye ray and one layer are adjacent, and layer 0 holds the visible
-                    // surface with its reflections and refractions. This loop finds the end of these records:
-                    // the first record that belongs to another ray, that is, to another position (x, y), or
-                    // to a hidden layer.
+                    // Finds the end of the records of this eye ray's visible surface with its reflections and
+                    // refractions: the first record that belongs to another ray, that is, to another position
+                    // (x, y), or to a hidden layer.
                     const Record* end = visible;
                     while (end != first && end->layer == 0 && end->x == first->x && end->y == first->y) ++end;
                     seen_in = node_at(visible, end, r.path.parent());

@@ -22,9 +22,8 @@ struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
-/// Limit for freeing memory, in bytes. Several parallel tasks build lists, which are then joined into larger
-/// ones. The tasks' lists are then no longer needed. If the joined lists are larger than this, the memory of
-/// the tasks' lists is returned to the system. For smaller lists, this is not worth the time.
+/// Several parallel tasks build lists, which are then joined. If a joined list is larger than this, in bytes,
+/// the memory of the tasks' lists is returned to the system. For smaller lists, this is not worth the time.
 constexpr std::size_t much_bytes = std::size_t{48} << 20;
 
 /// Joins the meshes that several parallel tasks have built into one mesh, `out`. The lists of the tasks are
@@ -199,10 +198,9 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // `made` exists once per thread, and holds the surfaces that this task has built.
-            // `choice.squares` is a function of the caller. If it waits for a parallel loop, this thread may
-            // meanwhile run another task of this loop, which overwrites `made`. Therefore, `made` is copied
-            // to `part` before the call.
+            // `made` exists once per thread. If the caller's function `choice.squares` waits for a parallel
+            // loop, this thread may meanwhile run another task of this loop, which overwrites `made`.
+            // Therefore, `made` is copied to `part` before the call.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

@@ -160,7 +160,7 @@ struct BrightSheet {
     Hides hides = Hides::nothing;  ///< what nearer surfaces hide in any of its leaves
 };
 
-/// Decides which bright surfaces become highlights. The radiance of a highlight that exceeds `above`, in any
+/// Decides which bright surfaces become highlights. The part of their radiance that exceeds `above`, per
 /// colour channel, is removed from the surface. The lens's point spread function then spreads it over the
 /// image.
 struct HighlightRule {
