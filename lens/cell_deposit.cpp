@@ -65,10 +65,8 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
         }
         if (x0 >= grid_.width) continue;
         const double width = x1 - x0;
-        // A polygon's energy is the sum of contributions of its sides: each side adds, or subtracts, the
-        // energy of the area between itself and the grid's right border. So a side contributes to all pixels
-        // on its right. Where a side lies left of the grid (x < 0), it therefore contributes `height` to
-        // every pixel of the row. `after_[0]` holds such contributions. The rest of the side, the fraction
+        // A side contributes energy to all pixels on its right. So its part to the left of the grid (x < 0)
+        // contributes to every pixel of the row, which `after[0]` stores. The rest of the side, the fraction
         // `inside`, is treated pixel by pixel.
         double inside = 1;
         if (x0 < 0) {

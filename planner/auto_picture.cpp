@@ -31,8 +31,7 @@ constexpr int first_views = 16;
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
 /// Returns the total number of samples that an image needs: the number of pixels in all its views (images
-/// from different lens points) together. `views` contains the number of views of each tile of `grid`, because
-/// tiles may differ in it.
+/// from different lens points) together. `views` contains the number of views of each tile of `grid`.
 double samples(const std::vector<int>& views, const TileGrid& grid) {
     double sum = 0;
     for (std::size_t t = 0; t < views.size(); ++t) sum += static_cast<double>(views[t]) * grid.pixels(t);

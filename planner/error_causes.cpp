@@ -24,10 +24,10 @@ constexpr double wrong_above = 1.0 / 255;
 /// The cause is confirmed if at most this fraction, a quarter, of the pixel's squared error remains. The
 /// error itself is then at most half as large.
 constexpr double explained = 0.25;
-/// The cause of a pixel's error is found by estimating how much squared error each possible cause would
-/// produce. A cause is accepted only if its estimate is at least this fraction of the measured squared error.
-/// The limit is lower (`noticeable_density`) for the cause that the samples are too far apart in the image,
-/// because the estimate for this cause is often too small.
+/// If neither an image made by a better method nor a new trace removes a pixel's error, the squared error
+/// that each possible cause would produce is estimated. A cause is accepted only if its estimate is at least
+/// this fraction of the measured squared error. The limit is lower (`noticeable_density`) for the cause that
+/// the samples are too far apart in the image, because the estimate for this cause is often too small.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
 /// A pixel is completely recorded if less than this fraction of its light is missing in the sample file.

@@ -40,9 +40,8 @@ struct HybridSettings {
 struct HybridResult {
     FocusResult focus;  ///< image, views, warnings
     /// Fraction of the pixels, in the image or crop, that were computed by the method `scatter` instead of
-    /// averaging views. This is faster for pixels that show a single surface. With a scene, this method is
-    /// not used, because every pixel is then an average of views in which rays replace some samples. So this
-    /// field is then 0.
+    /// averaging views. This is faster for pixels that show a single surface. It is 0 with a scene, because
+    /// every pixel is then an average of views and rays.
     double scattered_share = 0;
     /// Fraction of the pixels, in the image or crop, for which the sample file is insufficient: it lacks some
     /// of their light, or light is reprojected to a wrong position. If there are many such pixels, the scene

@@ -16,7 +16,7 @@ inline constexpr double wanted_interval_db = 2;
 
 /// The measured squared error of an image that is the mean of views (images from different lens points). It
 /// has two parts. The noise arises because the number of views is limited. The error of the records arises
-/// because the sample file stores surface hits only at some points. Squared errors are means over pixels and
+/// because colours in the sample file are inaccurate or missing. Squared errors are means over pixels and
 /// channels, of sRGB values clamped to [0, 1].
 struct StatedError {
     double views_mse = 0;              ///< noise of the views

@@ -202,9 +202,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        // `reach_px` limits how far the lens can look past an edge, that is, how much the diameters of
-        // circles of confusion differ in the scene. If they differ by less than half a pixel, the lens sees
-        // no visible part of a hidden surface. Therefore, none is recorded.
+        // The diameters of circles of confusion in the scene differ by at most 2 * reach_px. If this is less
+        // than half a pixel, the lens sees no visible part of a hidden surface. Therefore, none is recorded.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// A point sample: one eye ray through the pinhole. The ray and its reflections and refractions hit several
-/// surfaces, and each hit is a record. The records of one sample have the same raster position, so they are
+/// A point sample: one eye ray through the pinhole. It has one record for each surface that the ray and its
+/// reflections and refractions hit. The records of one sample have the same raster position, so they are
 /// adjacent in the sorted list of records: `record_count` records, from the index `first_record` on.
 struct PointSample {
     float x = 0, y = 0;              ///< raster, px

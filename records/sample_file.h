@@ -62,8 +62,7 @@ class SampleFileWriter {
 };
 
 /// Returns the number of bytes that the records in rows y_begin to y_end - 1 of `band` occupy in a sample
-/// file. Includes the entries of these rows in the file's tables of offsets. The file also stores a pinhole
-/// image, but its rows are not included.
+/// file. Includes the entries of these rows in the file's tables of offsets, but not the pinhole image.
 [[nodiscard]] std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compression,
                                          const RecordBand& band, int y_begin, int y_end);
 

@@ -41,7 +41,8 @@ struct SampleHeader {
     glm::dmat4 world_from_camera{1};  ///< in metres; the camera's x points right, y up, and it looks along -z
     double time_s = 0;                ///< instant of the trace and of the pinhole image
     /// Further instants at which a moving scene is recorded, in seconds, besides the instant `time_s`. They
-    /// are in ascending order. Their number is at most `most_keys`, and 0 if nothing moves.
+    /// are in ascending order. There are at most `most_keys`, and none if only the instant `time_s` is
+    /// recorded.
     std::vector<double> key_times_s;
 
     int subdivide_levels = 0;  ///< largest number of recursive 2x2 subdivisions of a pixel

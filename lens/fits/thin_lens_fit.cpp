@@ -56,9 +56,8 @@ LineFit fit_line(std::vector<CocPair> pairs) {
     // measurements count as behind the focus, and the others as in front of it. For each division, a line is
     // fitted to the diameters over the inverse depth. The line with the smallest error is kept.
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
-        // Diameters of circles of confusion are K |q - x|, with the inverse distance x and the inverse focus
-        // distance q. To remove the absolute value, the diameters of points in front of the focus are counted
-        // as negative. Diameters are then linear in x: K (q - x). So a line can be fitted.
+        // To remove the absolute value in K |q - x|, the diameters of points in front of the focus are
+        // counted as negative. Diameters are then linear in the inverse depth x: K (q - x).
         double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const double x = 1 / pairs[i].distance_m, y = i < behind ? pairs[i].coc_mm : -pairs[i].coc_mm;

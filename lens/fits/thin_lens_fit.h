@@ -23,9 +23,8 @@ struct CocPair {
 
 struct FittedNumber {
     double value = 0;
-    /// Standard error of `value`, estimated from the residuals of the fit. It is absent in three cases: if
-    /// `value` was given and not fitted, if the data do not determine it, or if there are too few
-    /// measurements.
+    /// Standard error of `value`, estimated from the residuals of the fit. Absent if `value` was given and
+    /// not fitted, if the data do not determine it, or if there are too few measurements.
     std::optional<double> standard_error;
 };
 

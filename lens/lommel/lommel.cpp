@@ -12,9 +12,9 @@ namespace postlens {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// Below this defocus |u|, Lommel's series are not used inside the geometric disc, that is, for optical radii
-/// v < |u|. There, they lose precision: the terms of the intensity nearly cancel, and their sum is divided by
-/// the small u^2.
+/// Below this defocus |u|, Lommel's series for the inside of the geometric disc, that is, for optical radii v
+/// < |u|, are not used. They lose precision: the terms of the intensity nearly cancel, and their sum is
+/// divided by the small u^2.
 constexpr double small_u = 8;
 
 double squared(double x) {

@@ -58,10 +58,9 @@ void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double*
     out.even = even;
 }
 
-/// Computes two sums of the terms x^n J_n(v), with the Bessel functions J_n, for several pairs of v and x at
-/// once: over odd n, and over even n from 2. The signs of consecutive terms in a sum alternate. n ends at
-/// `last`. The Bessel functions are computed by downward recurrence (Miller's algorithm), and the sums by
-/// Horner's rule. Unlike upward recurrence, this is stable for any number of terms.
+/// Computes the series `odd` and `even` of SeriesLanes, up to the order `last`. The Bessel functions are
+/// computed by downward recurrence (Miller's algorithm), and the sums by Horner's rule. Unlike upward
+/// recurrence, this is stable for any number of terms.
 POSTLENS_MULTIVERSION
 void sum_downwards(const Lanes& v, const Lanes& x, int last, SeriesLanes& out) {
     Lanes c, x2, above{}, here, norm{}, odd{}, even{};

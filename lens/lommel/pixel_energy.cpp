@@ -14,10 +14,8 @@ namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Integrates an imaginary flow of energy through a pixel border near the blur kernel's centre. In this flow,
-/// the kernel's energy streams radially outwards from the centre (see Flow). The net flow out of a pixel is
-/// the pixel's energy. The border is a part of a vertical line: relative to the centre, it lies at x and
-/// extends from y0 to y1, in px.
+/// Integrates the energy flow (see Flow) through a pixel border near the blur kernel's centre. The border is
+/// a part of a vertical line: relative to the centre, it lies at x and extends from y0 to y1, in px.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     // The energy flow is directed away from the kernel's centre. So it runs along a line through the centre
     // and does not cross it. If the border's line passes the centre at less than this distance, it counts as
@@ -56,10 +54,8 @@ double smoothing_px(const PixelEnergySettings& settings) {
 }
 
 /// A table of L / (2 pi r^2) over the distance r (px) from the blur kernel's centre. L is the kernel's energy
-/// within r. An imaginary flow carries this energy radially outwards (see Flow). The flow through the circle
-/// of radius r is L / (2 pi r) per px. A pixel border at the distance x from the centre is inclined to the
-/// circle, so the flow is smaller by the factor x / r. Thus, x times the table's value is the flow per px of
-/// the border.
+/// within r. The value, multiplied by the distance x of a pixel border from the centre, is the energy flow
+/// (see Flow) per px of the border.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -118,10 +114,10 @@ class Flow {
     FlowTable table_;
 };
 
-/// Returns the flow of energy through each pixel border. In this imaginary flow (see Flow), the kernel's
-/// energy streams outwards from its centre. By the divergence theorem, a pixel's energy is the flow out
-/// through its borders minus the flow in. If the kernel is centred on a corner or the centre of a pixel, the
-/// flows in its four quadrants are equal. Then only the flows of one quadrant are computed and stored.
+/// Returns the flow of energy (see Flow) through each pixel border. By the divergence theorem, a pixel's
+/// energy is the flow out through its borders minus the flow in. If the kernel is centred on a corner or the
+/// centre of a pixel, the flows in its four quadrants are equal. Then only the flows of one quadrant are
+/// computed and stored.
 class Borders {
   public:
     Borders(const Flow& flow, double centre_x, double centre_y, int reach) : flow_(flow) {
@@ -138,9 +134,7 @@ class Borders {
         });
     }
     /// Returns the energy that flows in +x direction through the pixel border from (x, y0) to (x, y0 + 1), as
-    /// a fraction of the kernel's energy. Coordinates are in px, relative to the kernel's centre. In this
-    /// imaginary flow (see Flow), energy streams outwards from the centre, and the net flow out through a
-    /// pixel's four borders is the pixel's energy.
+    /// a fraction of the kernel's energy. Coordinates are in px, relative to the kernel's centre.
     [[nodiscard]] double through(double x, double y0) const {
         if (quadrant_.empty()) return flow_.through(x, y0, y0 + 1);
         const auto line = static_cast<std::size_t>(std::abs(x));

@@ -31,9 +31,8 @@ class RadialProfile {
     /// The average uses radii up to 3/2 width_px to both sides of the given radius. Therefore, this radius
     /// must be at least this far from 0 and from end_px().
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
-    /// Returns the encircled energy smoothed_within(r, width_px), the fraction of the energy within the
-    /// radius r, for `count` radii. This is faster than single calls. The first radius is begin_px. The
-    /// others follow at equal distances of width_px / row_steps.
+    /// Returns smoothed_within(r, width_px) for `count` radii r. This is faster than single calls. The first
+    /// radius is begin_px. The others follow at equal distances of width_px / row_steps.
     static constexpr int row_steps = 6;
     [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;
     /// Returns the fraction of the blur kernel's energy per px^2 at a distance from the kernel's centre, by

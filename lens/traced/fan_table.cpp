@@ -71,10 +71,9 @@ PupilFan FanTable::fan(double inverse_depth_per_m, double tangent) const {
     const PupilFan* corner[4] = {&fans_[p.depth * fields + p.field], &fans_[p.depth * fields + p.field + 1],
                                  &fans_[(p.depth + 1) * fields + p.field],
                                  &fans_[(p.depth + 1) * fields + p.field + 1]};
-    // A fan is a bundle of rays from one object point through the lens. At depths outside the table, fans are
-    // extrapolated, but only the points where their rays land on the film. The rays' positions in the pupil
-    // and the light that they carry change little with depth. Therefore, these values are taken from the
-    // table's nearest depth, by limiting `depth_part` to [0, 1].
+    // At depths outside the table, fans are extrapolated, but only the points where their rays land on the
+    // film. The rays' positions in the pupil and the light that they carry change little with depth.
+    // Therefore, these values are taken from the table's nearest depth, by limiting `depth_part` to [0, 1].
     const double inside = std::clamp(p.depth_part, 0.0, 1.0);
     PupilFan out;
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {

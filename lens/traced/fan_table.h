@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// A table of fans. A fan is a bundle of rays from one object point through the lens. The object points of
-/// the table lie on a grid of inverse depths and of tangents of the angle from the axis.
+/// A table of fans. The object points of the table lie on a grid of inverse depths and of tangents of the
+/// angle from the axis.
 ///
 /// For object points between the grid's points, fans are interpolated linearly (errors in docs/lens.md).
 /// Results are bit-identical for any number of threads.

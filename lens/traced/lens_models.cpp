@@ -129,10 +129,10 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
     };
     thick_at_infinity_ = landing(0);
     thick_per_depth_m_ = 1e-3 * (landing(1) - landing(0));
-    // `own` is the inverse focus distance, in 1/m, that follows from the lens prescription's film position:
-    // paraxial rays from an axial object point at this inverse distance meet on the film. So the landing
-    // height thick_at_infinity_ + thick_per_depth_m_ * own is 0. If the settings give a focus distance, `own`
-    // is not used.
+    // `own` is the inverse focus distance, in 1/m, that follows from the position of the film: paraxial rays
+    // from an axial object point at this inverse distance meet on the film. So the landing height
+    // thick_at_infinity_ + thick_per_depth_m_ * own is 0. If the settings give a focus distance, `own` is not
+    // used.
     const double own = -thick_at_infinity_ / thick_per_depth_m_;
     const auto set = traced.settings().focus_distance_m;
     inverse_focus_per_m_ = set ? 1 / *set : std::abs(own) < 1e-9 ? 0 : own;

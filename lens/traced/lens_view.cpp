@@ -66,9 +66,9 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
         double r = chief_radius_mm(lens, lens.settings().focus_distance_m.value_or(HUGE_VAL),
                                    tangent_step_ * static_cast<double>(i));
         // r is the distance from the film centre at which the chief ray lands, for a given field angle. If
-        // the chief ray is blocked, or if r does not grow with the angle, the image counts as black at this
-        // angle. There, the table of r over the angle is continued linearly. So r increases throughout, and
-        // the table can be inverted.
+        // the chief ray cannot pass the lens surfaces, or if r does not grow with the angle, the image is
+        // black at this angle. There, the table of r over the angle is continued linearly. So r increases
+        // throughout, and the table can be inverted.
         if (!(r > before)) {
             r = i == 1 ? film_scale_mm_ * tangent_step_ : 2 * before - film_radius_[i - 2];
         }

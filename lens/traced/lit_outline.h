@@ -25,9 +25,8 @@ class LitOutline {
 
     LitOutline(Passes passes, double scale) : passes_(std::move(passes)), scale_(scale) {}
 
-    /// Searches a plane that the rays cross for the region in which rays pass the lens. The search begins at
-    /// the point `near`. Sets `near` to the region's centre, and `edge` to its outline. Returns false if no
-    /// ray passes.
+    /// Searches for the region in which rays pass the lens, beginning at the point `near`. Sets `near` to the
+    /// region's centre, and `edge` to its outline. Returns false if no ray passes.
     [[nodiscard]] bool find(glm::dvec2& near, Edge& edge) const {
         if (!passes_(near) && !search(near)) return false;
         find_edge(near, edge);

@@ -37,7 +37,7 @@ struct PupilFan {
     }
 };
 
-/// Traces a fan, a bundle of rays from one object point through the lens. Returns false if no light passes.
+/// Traces the fan of one object point. Returns false if no light passes.
 /// - inverse_depth_per_m: inverse depth of the object point; 0 at infinity, negative for converging light
 /// - tangent: tangent of the object point's angle from the axis, >= 0
 /// - near_m: pupil point at which the search for passing rays begins; the function sets it to the centre of

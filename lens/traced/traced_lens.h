@@ -25,7 +25,7 @@ enum class FocusMove {
 struct TracedLensSettings {
     /// Focus distance s > 0, in m, measured from the pinhole of the camera. It may be infinite. If it is
     /// absent, the film is at the position that the lens prescription states. If the prescription states
-    /// none, the film is where infinity is in focus.
+    /// none, or if `criterion` is not paraxial, the film is where infinity is in focus.
     std::optional<double> focus_distance_m;
     std::optional<double> f_number;       ///< finite, not below that of the open lens; absent: wide open
     std::optional<double> wavelength_nm;  ///< absent: the prescription's

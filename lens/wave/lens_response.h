@@ -49,8 +49,8 @@ struct LensResponse {
     /// single bright fringes. Absent if it exceeds the grid.
     std::optional<double> half_energy_diameter_px;
     /// Radial profile of the impulse response: samples of the intensity and of the encircled energy, at radii
-    /// from 0 to half the grid's width. The radii are uniformly spaced, with four samples per unit of the
-    /// optical radius v. But there are at least 512 and at most 8192 samples.
+    /// from 0 to half the grid's width. The radii are uniformly spaced, if possible with four samples per
+    /// unit of the optical radius v. But there are always about 512 to 8192 samples.
     std::vector<RadialSample> profile;
 };
 

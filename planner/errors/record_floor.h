@@ -49,9 +49,8 @@ class RecordFloor {
     std::vector<float> mse_;
 };
 
-/// Returns the squared error of each pixel's sRGB value that is due to edges. The samples of a sample file
-/// show which quadtree cells an edge crosses, but not where the edge lies within a cell, so the colour of the
-/// pixel is uncertain. Reads all records of the file once.
+/// Returns the squared error of each pixel's sRGB value that is due to edges, as RecordFloor estimates it.
+/// Reads all records of the file once.
 [[nodiscard]] std::vector<float> record_floor(const SampleFileReader& file, const FocusGeometry& geometry);
 
 }  // namespace postlens

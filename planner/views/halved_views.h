@@ -1,6 +1,5 @@
 // Makes an image as the mean of its views (reprojections to different lens points). The views are divided
-// into two independent halves. The mean of each half is an image, and the difference between both images
-// shows their noise.
+// into two independent halves, whose difference shows the noise.
 #pragma once
 
 #include <array>
@@ -26,9 +25,8 @@ class HalvedViews {
   public:
     /// Prepares to draw the views (images from single lens points) of a frame, but draws none yet.
     /// `focus.views` and `focus.method` are ignored. Throws the errors of hybrid_picture.
-    /// - `first_set`: number of the first set of lens points. The image uses 122 sets, because each half has
-    ///   61 and neighbouring squares of the image use different ones. With another `first_set`, the noise is
-    ///   independent.
+    /// - `first_set`: number of the first set of lens points. The image uses 122 sets from this number on,
+    ///   because each half has 61. Neighbouring squares of the image use different ones.
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
     /// Draws more views (images from single lens points) until each tile of `grid()` has `views[tile]` of

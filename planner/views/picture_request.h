@@ -1,5 +1,5 @@
-// Checks the settings of an image, and converts them to settings of the two programs that make it:
-// field_focus, which averages reprojected views, and the ray tracer.
+// Checks the settings of an image, and converts them to settings of field_focus, which averages reprojected
+// views, and of the ray tracer.
 #pragma once
 
 #include <string>
