@@ -194,10 +194,9 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const auto finer_explains = [&](std::size_t k, double error) {
         return finer && squared_difference(*finer, reference, k) <= explained * error;
     };
-    // The error trials trace the scene again with better settings, which is expensive. `seen` and `finer` are
-    // images made from the existing sample file with better methods. A pixel's error is explained if it is
-    // much smaller in one of them than in `image`. The trials are made only if the unexplained pixels contain
-    // much of the whole error.
+    // The error trials trace the scene again with better settings, which is expensive. They are made only if
+    // much of the error of `image` remains in `seen` and `finer`, which are images made from the existing
+    // sample file by better methods.
     std::vector<ErrorTrial> trials;
     if (v.scene != nullptr) {
         double all = 0, left = 0;

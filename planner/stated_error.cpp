@@ -46,8 +46,7 @@ StatedError stated_error(const MeasuredError& measured) {
     }
     // `views_mse`, the estimated squared error due to the noise of the views, is a random number, and may by
     // chance be much too small. `variance` is the variance of this estimate. Therefore, `views_mse` is raised
-    // to at least the standard deviation of the estimate, so that the image is not stated to be almost free
-    // of noise.
+    // to at least the standard deviation of the estimate.
     out.views_mse = std::max(out.views_mse, std::sqrt(out.variance));
     out.variance += measured.bias_variance;
     const double mse = out.mse();

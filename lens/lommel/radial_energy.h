@@ -26,8 +26,7 @@ class RadialEnergy {
     /// entries.
     RadialEnergy(double u, double v_end, const BesselGrid& grid);
 
-    /// Computes the encircled energy, the fraction of the energy within each optical radius, up to v_end at
-    /// the defocus u. Makes the required tables of Bessel functions itself.
+    /// Computes the same, but makes the required tables of Bessel functions itself.
     RadialEnergy(double u, double v_end);
 
     [[nodiscard]] double u() const { return u_; }

@@ -15,10 +15,8 @@ namespace postlens {
 /// estimated by the fraction of the square's four corners that lie in this part. This constant is the mean
 /// squared error of the estimate.
 inline constexpr double edge_cell_variance = 0.0388;
-/// Like `edge_cell_variance`, but for an edge that is parallel to two sides of the unit square. It lies at a
-/// random position and divides the square into two rectangles. The area of one rectangle is estimated by the
-/// fraction of the square's four corners that belong to it. This constant is the mean squared error of the
-/// estimate.
+/// Like `edge_cell_variance`, but for an edge that is parallel to two sides of the unit square and lies at a
+/// random position.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
 
 /// The recorded colour (sRGB and linear) at a corner of a quadtree cell, with the id and inverse depth of the

@@ -14,10 +14,9 @@ namespace postlens {
 struct ErrorTrial {
     ErrorCause cause = ErrorCause::none;  ///< cause of error that the trial removes
     Image image;  ///< light field of the new records, of the same size as the file's image
-    /// Tells whether a success of this trial ends the search for a cause. Each trial is a new trace of the
-    /// scene with better settings, and the trials are tested in order. If the trial's image does not have the
-    /// error of a pixel and `decides` is true, `cause` is accepted as the cause of this error, and the later
-    /// trials are not tested for this pixel.
+    /// Tells whether a success of this trial ends the search for a cause. The trials are tested in order. If
+    /// this is true and the trial's image does not have the error of a pixel, `cause` is accepted, and the
+    /// later trials are not tested for this pixel.
     bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };

@@ -166,9 +166,9 @@ Bytes SampleFileWriter::Impl::picture_planes(int y_begin, int y_end) const {
     return bytes;
 }
 
-/// Computes row y of the pinhole image. A pixel's colour is the mean over its corners, where the records
-/// (surface hits) lie. The upper corners belong to row y of the records and the lower ones to row y + 1.
-/// Therefore, `band` must contain both rows.
+/// Computes row y of the pinhole image. A pixel's colour is a weighted mean of the samples in the pixel and
+/// on its edges. Those on its lower edge belong to row y + 1 of the records. Therefore, `band` must contain
+/// the rows y and y + 1.
 void SampleFileWriter::Impl::compute_picture_row(const RecordBand& band, int y) {
     if (instant > 0 || y < 0 || y >= header.height) return;
     const std::span<float> rgb(picture.pixel(0, y), static_cast<std::size_t>(header.width) * 3);
@@ -226,7 +226,7 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
     });
     // Writes the rows of records, and in between each block of image rows as soon as it is complete. If the
     // blocks were written at the end of the call instead, the order of chunks in the file would depend on the
-    // number of rows per call. The file must not depend on it.
+    // number of rows per call.
     const int block_rows = rows_per_chunk(picture_codec);
     for (std::size_t i = 0; i < count; ++i) {
         const int y = y_begin + static_cast<int>(i);
