@@ -34,7 +34,7 @@ constexpr int beside_px = 4;
 constexpr float tolerated_unknown = 0.02F;
 /// The causes of errors are first sought in images that are made from the existing sample file. If the pixels
 /// whose errors remain unexplained contribute more than this fraction of the image's squared error, the scene
-/// is traced again with better settings, to find more causes. Such a trace is expensive.
+/// is traced again with better settings, to find more causes.
 constexpr double worth_trials = 0.1;
 
 double squared_difference(const Image& a, const Image& b, std::size_t pixel) {

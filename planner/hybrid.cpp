@@ -90,8 +90,8 @@ constexpr double fine_mse = 1e-5;
 
 /// The light of highlights (small or blurred bright surfaces) is spread over the image by the lens's point
 /// spread function, which may put some of it in wrong pixels. Returns 1 for the tiles in which this error is
-/// larger than the noise that traced highlights would have. In these tiles, rays should trace the highlights
-/// instead.
+/// larger than its standard deviation and than the noise that traced highlights would have. In these tiles,
+/// rays should trace the highlights instead.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
     const std::vector<double> noise =
         highlights_noise(views.half(0), views.half(1), views.grid(), views.views());

@@ -14,8 +14,7 @@ bool is_at(const Record& record, int x, int y) {
 }
 
 /// Makes row y of the coarser file, whose pixels are `by` times as wide as those of `fine`, the band of the
-/// original file. A pixel of the coarser file takes only the records (surface hits) at its upper left corner,
-/// and the other records of `fine` are left out.
+/// original file. A pixel of the coarser file takes only the records (surface hits) at its upper left corner.
 RecordBand wider_row(const RecordBand& fine, int y, int by, int x_begin, int x_end) {
     RecordBand out{.x_begin = x_begin, .x_end = x_end, .y_begin = y, .y_end = y + 1};
     for (int x = x_begin; x < x_end; ++x) {

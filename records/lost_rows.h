@@ -26,8 +26,8 @@ void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 
 /// Returns a RecordBand (rows of records) that contains only row y. It replaces row y of the file, which
-/// cannot be read, so that the other rows can still be used. Its records are those that stand_in_for_row
-/// makes: rays that hit nothing. `above` is row y - 1, or null if there is none.
+/// cannot be read. Its records are those that stand_in_for_row makes: rays that hit nothing. `above` is row y
+/// - 1, or null if there is none.
 [[nodiscard]] RecordBand stand_in_row(const RecordBand* above, int x_begin, int x_end, int y);
 
 /// Returns a copy of rows y_begin to y_end - 1 of a band, which must contain them.

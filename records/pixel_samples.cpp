@@ -37,8 +37,7 @@ std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int 
     std::vector<PixelSample> out;
     for (const PointSample& s : found.samples) {
         // Computes the weight of the sample s in this pixel. The sample is a corner of up to four quadtree
-        // cells. Each of these cells that lies in this pixel adds a quarter of its area, because a cell has
-        // four corners.
+        // cells. Each of these cells that lies in this pixel adds a quarter of its area.
         double weight = 0;
         for (int q = 0; q < 4; ++q) {
             const auto i = static_cast<std::size_t>(q);

@@ -101,9 +101,9 @@ void check(std::span<const CocPair> pairs, const ThinLensFitRequest& request) {
 constexpr std::array<const char*, 3> names = {"F", "n", "s"};
 
 /// Returns the condition number of the fit. It is computed from the Jacobian `rows`, whose columns are the
-/// derivatives of the residuals with respect to F, n and s. Only the columns of the fitted parameters, with
-/// the indices `free`, are used. `weak` receives the combination of these parameters that the data determine
-/// least precisely.
+/// derivatives of the residuals with respect to log F, log n and 1/s. Only the columns with the indices
+/// `free` are used. `weak` receives the combination of these parameters that the data determine least
+/// precisely.
 double condition_of(const std::vector<std::array<double, 3>>& rows, const std::vector<int>& free,
                     Eigen::VectorXd& weak) {
     Eigen::MatrixXd J(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(free.size()));

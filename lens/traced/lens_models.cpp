@@ -187,10 +187,9 @@ double LensModels::error_mm(LensModelKind kind, double depth_m, double tangent) 
             }
         }
     }
-    // `one` holds the rays that pass only the traced lens or only its model, so that they have no counterpart
-    // with which their landing point could be compared. Their error is therefore estimated: their landing
-    // point on the film is compared with the traced landing point of another ray. This is the nearest ray in
-    // the pupil that passes both the lens and the model.
+    // `one` holds the rays that pass only the traced lens or only its model. Their error is estimated: their
+    // landing point on the film is compared with the traced landing point of the nearest ray in the pupil
+    // that passes both.
     for (const Node& node : one) {
         dvec2 off = node.film;
         double nearest = HUGE_VAL;

@@ -65,9 +65,8 @@ class LensStack {
     /// Traces a ray from the film to the scene, like `forward`. direction.z must be negative.
     RayEnd backward(LensRay& ray, Apertures apertures = Apertures::respected,
                     std::span<glm::dvec3> hits = {}) const noexcept;
-    /// Traces a ray from the scene to the plane of the stop. Apertures are ignored, so they block no light.
-    /// Returns the intersection with the plane, or NaN if the ray does not get there, for example because it
-    /// misses a surface.
+    /// Traces a ray from the scene to the plane of the stop. Apertures are ignored. Returns the intersection
+    /// with the plane, or NaN if the ray does not get there, for example because it misses a surface.
     [[nodiscard]] glm::dvec2 at_stop(LensRay ray) const noexcept;
 
   private:

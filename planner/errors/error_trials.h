@@ -1,6 +1,6 @@
 // Finds the causes of errors by trials. Each trial traces the scene again with settings that remove one cause
 // of error, for example missing hidden surfaces, and makes an image from this trace. If a pixel's error is
-// absent from this image, the cause is found.
+// much smaller in this image, the cause is found.
 #pragma once
 
 #include <vector>

@@ -86,7 +86,7 @@ template <typename Value>
 /// - `most_mse`: limit for the squared error of the image that the recorded colours in the tiles with 0 cause
 ///   together
 /// - `fine_mse`: limit for the squared error of one tile's recorded colours (`bias_mse`). A tile above this
-///   limit gets 1 if its error also clearly exceeds its noise.
+///   limit gets 1 if this error also exceeds the noise of its views and twice its own standard deviation.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

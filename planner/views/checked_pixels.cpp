@@ -38,8 +38,7 @@ CheckedPixels::Use CheckedPixels::use(int x, int y) const {
 double CheckedPixels::aimed(int x, int y, int views) const {
     // The error of highlights in an image is measured by comparing their light in some pixels with traced
     // rays. An image is the mean of `views` views. If it has at least `all_from_views` of them, all pixels
-    // are compared. Otherwise, the fraction of compared pixels is proportional to `views`, so an image of few
-    // views needs few such rays.
+    // are compared. Otherwise, the fraction of compared pixels is proportional to `views`.
     constexpr int all_from_views = 128;
     const std::uint64_t chosen =
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());

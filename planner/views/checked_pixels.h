@@ -23,10 +23,10 @@ class CheckedPixels {
     ///   noise averages out.
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Chooses the views in which a ray checks the colour of pixel (x, y). A view is the image from one lens
-    /// point. It is chosen among `count` views, whose lens points follow each other in a sequence, from point
-    /// number `first` on. `set` is the number of this sequence. Appends the indices of the chosen views to
-    /// `out`; index 0 is the point number `first`. Appends nothing if the pixel is not checked.
+    /// Chooses the views (images from single lens points) in which a ray checks the colour of pixel (x, y).
+    /// They are chosen among `count` views, whose lens points are the point number `first` of the sequence
+    /// number `set` and those after it. Appends the indices of the chosen views to `out`; index 0 is the
+    /// point number `first`. Appends nothing if the pixel is not checked.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
     /// The error of the highlights is measured in some randomly chosen pixels, by rays that are aimed at the
     /// highlights. Returns the probability with which pixel (x, y) was chosen, or 0 if it was not chosen. The

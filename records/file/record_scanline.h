@@ -36,9 +36,8 @@ class ScanlineBytes {
     /// numbers of records are damaged, i.e. contradict each other.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
     /// Unpacks the records of the row. If the file does not store the channels of a field, the field becomes
-    /// 0. The matrix Record::w, which describes how the surface's image moves with the lens point, is an
-    /// exception: it becomes the unit matrix divided by the depth, which is its value for a surface seen
-    /// directly. Returns false if a position is damaged.
+    /// 0. The matrix Record::w is an exception: it becomes the unit matrix divided by the depth, which is its
+    /// value for a surface seen directly. Returns false if a position is damaged.
     [[nodiscard]] bool unpack_records(int x_begin, std::span<const std::uint32_t> offsets,
                                       std::span<Record> records) const;
 
