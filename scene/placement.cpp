@@ -46,9 +46,8 @@ Decomposed decompose(const dmat4& m) {
         out.placement.scale = dvec3(0);
         return out;
     }
-    // The polar decomposition determines the rotation. It begins with the matrix `r`, whose columns are those
-    // of `linear` scaled to unit length. The lengths are omitted, because they belong to the scale, and only
-    // the directions of the columns determine the rotation.
+    // The polar decomposition determines the rotation. It begins with columns of unit length, because only
+    // their directions determine the rotation. The lengths belong to the scale.
     dmat3 r = linear;
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 0) r[i] /= length[i];

@@ -21,9 +21,8 @@ struct Placement {
 struct Decomposed {
     Placement placement;
     /// How far the matrix of `placement` differs from the matrix that was decomposed. They differ if the
-    /// latter contains shear, because a Placement consists only of a translation, a rotation and a scale. The
-    /// error is the largest distance between corresponding columns of the two matrices, divided by the length
-    /// of the longest column.
+    /// latter contains shear, which a Placement cannot represent. The error is the largest distance between
+    /// corresponding columns of the two matrices, divided by the length of the longest column.
     double error = 0;
 };
 [[nodiscard]] Decomposed decompose(const glm::dmat4& m);

@@ -10,9 +10,8 @@ namespace {
 using glm::dvec3;
 
 constexpr int most_halvings = 12;
-// The placement of an object is interpolated between two keyframes. To measure the error of this
-// interpolation, the time between the keyframes is divided into this many equal steps. The error is then
-// measured at the 7 instants between the steps.
+// To measure the error of interpolation between two keyframes, the time between them is divided into this
+// many equal steps. The error is measured at the 7 instants between the steps.
 constexpr int looks = 8;
 
 struct Sampler {
@@ -44,8 +43,9 @@ struct Sampler {
         return worst;
     }
 
-    // Appends keyframes between the keyframes `a` and `b`, as many as are needed to keep the error of
-    // interpolation within the tolerance. Then appends `b` itself. The caller must already have appended `a`.
+    // Appends keyframes between the keyframes `a` and `b`, and then `b` itself. To do so, it halves the time
+    // between them repeatedly, until the error of interpolation is within the tolerance or a limit of
+    // halvings is reached. The caller must already have appended `a`.
     void add(const TransformKey& a, const TransformKey& b, int halvings) {
         const double gap = b.time_s - a.time_s;
         const bool may_divide = gap > 2 * shortest_key_gap_s && halvings < most_halvings;

@@ -146,9 +146,8 @@ struct Camera {
     glm::dvec3 look_at{0, 0, -1};
     glm::dvec3 up{0, 1, 0};
     double film_width_mm = 36;
-    /// These three values determine the field of view of a perspective camera, so at most one of them may be
-    /// set. `focal_length_mm` is then also the distance from the lens to the film, as for a lens focused at
-    /// infinity.
+    /// These three values determine the field of view of a perspective camera, so at most one of them is set.
+    /// `focal_length_mm` is also the distance from the lens to the film, as for a lens focused at infinity.
     std::optional<double> focal_length_mm;
     std::optional<double> horizontal_fov_degrees;
     std::optional<double> vertical_fov_degrees;

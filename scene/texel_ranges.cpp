@@ -63,8 +63,8 @@ ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x
                             double y_last, bool wrap_x, bool wrap_y) const {
     std::array<float, 6> range = nothing;
     // Colour ranges are precomputed on several levels. Level 0 consists of the texels themselves, and each
-    // higher level consists of larger squares of texels. This loop finds the lowest level on which the longer
-    // edge of the given rectangle is at most `most_across` squares (or texels) long.
+    // higher level of larger squares. This loop finds the lowest level on which the longer edge of the given
+    // rectangle is at most `most_across` squares (or texels) long.
     const double across = std::max(x_last - x_first, y_last - y_first) + 1;
     std::size_t level = 0;
     double edge = 1;

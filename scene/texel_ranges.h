@@ -23,9 +23,8 @@ struct ColourRange {
 class TexelRanges {
   public:
     TexelRanges() = default;
-    /// Prepares the colour ranges of an image with `width` x `height` texels, whose colours are in `rgb`. A
-    /// colour range is the least and the greatest value of each colour channel. It is computed for squares of
-    /// texels in several sizes. Keeps no reference to `rgb`.
+    /// Computes these ranges for an image with `width` x `height` texels, whose colours are in `rgb`. Keeps
+    /// no reference to `rgb`.
     TexelRanges(std::span<const float> rgb, int width, int height);
 
     /// Returns the least and greatest colour of the texels in columns x_first to x_last and rows y_first to

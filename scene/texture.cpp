@@ -16,10 +16,9 @@ namespace {
     const double d = c - offset;
     const double quotient = d / size;
     const double cell = std::floor(quotient);
-    // Finds the cell of the checkerboard that contains a point. `quotient` is the point's position in units
-    // of cells. It is a rounded number, so its floor may be wrong if the point is very close to the border of
-    // a cell. In this case, the sign of the remainder decides, which is computed exactly (Knuth's two-sum and
-    // fma).
+    // `quotient` is the position of a point in units of checkerboard cells. It is a rounded number, so its
+    // floor may be wrong if the point is very close to the border of a cell. In this case, the sign of the
+    // remainder decides, which is computed exactly (Knuth's two-sum and fma).
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;

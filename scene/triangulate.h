@@ -23,7 +23,7 @@ struct Triangulation {
 /// polygon becomes a fan of triangles about its first corner. Others are divided by ear clipping
 /// [meisters1975]. Triangles without area are omitted.
 ///
-/// If `fault` is set, `triangles` is empty.
+/// If the result's `fault` is not `none`, its `triangles` is empty.
 [[nodiscard]] Triangulation triangulate(std::span<const glm::dvec3> polygon);
 
 }  // namespace postlens

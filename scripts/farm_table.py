@@ -112,8 +112,8 @@ def main():
         # Seconds that `merge` needs for each merged file. The time of a merge is proportional to the total size of its
         # files. If each share renders some of the samples (`by`), every file is as large as the whole image. The time
         # then grows with the number of files, so one file takes a quarter of the time measured for four. Otherwise,
-        # each share renders some of the rows. Together, its files are as large as one image, so their number does not
-        # matter.
+        # each share renders some of the rows. Then all files together are as large as one image, so their number does
+        # not matter.
         merge = of_four / 4
         per_part = merge if by else 0.0
 

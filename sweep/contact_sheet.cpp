@@ -17,9 +17,9 @@ constexpr int gap_px = 6, line_px = 18;
 constexpr int wide_px = 2400, least_px = 72, most_px = 320;
 constexpr std::size_t most_columns = wide_px / (least_px + gap_px);
 
-/// Returns the number of columns of the contact sheet, an image with thumbnails of all images. This is the
-/// requested number, `wanted`, if it gives several rows and columns of thumbnails that are large enough.
-/// Otherwise, it is the number of columns of a roughly square grid.
+/// Returns the number of columns of the contact sheet. This is the requested number, `wanted`, if it gives
+/// several rows and columns of thumbnails that are large enough. Otherwise, it is the number of columns of a
+/// roughly square grid.
 std::size_t columns_for(std::size_t pictures, std::size_t wanted) {
     if (wanted > 1 && wanted < pictures && wanted <= most_columns) return wanted;
     const auto square = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(pictures))));

@@ -16,10 +16,9 @@ class ContactSheet {
   public:
     static constexpr std::size_t most_pictures = 1024;
 
-    /// Creates an empty contact sheet, which will show thumbnails of several images in rows. `captions`
-    /// contains the ASCII text below each image, so it has 1 to `most_pictures` elements. `columns` is the
-    /// requested number of images per row. If it leads to a single row, a single column or tiny thumbnails,
-    /// the sheet is roughly square instead.
+    /// Creates an empty contact sheet. `captions` contains the ASCII text below each image, so it has 1 to
+    /// `most_pictures` elements. `columns` is the requested number of images per row. If it leads to a single
+    /// row, a single column or tiny thumbnails, the sheet is roughly square instead.
     ContactSheet(ImageSize picture, std::vector<std::string> captions, std::size_t columns);
 
     void set(std::size_t i, const Image& picture);

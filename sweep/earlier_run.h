@@ -21,8 +21,7 @@ namespace postlens {
 /// Computes a key for each image from its settings and input files. Images with the same key are equal.
 class SweepKeys {
   public:
-    /// A sweep is a series of images of one sample file with different lens settings. Prepares to compute the
-    /// key of each image, a hash of all inputs on which the image depends.
+    /// The key of an image is a hash of all inputs on which the image depends.
     /// - `frame`: path of the sample file
     /// - `exposure_stops`: exposure of all images of the sweep
     /// - `at`: raster positions, in px, at which the circle of confusion is reported
@@ -44,8 +43,8 @@ class SweepKeys {
 };
 
 /// Returns the table rows of the images that earlier runs of the sweep made. The key of a row is the image's
-/// file name. The rows are read from the file `json`. If several machines shared the sweep, they are also
-/// read from the tables of the other machines. Returns nothing unless `settings.resume` is set.
+/// file name. The rows are read from the file `json`. If `settings.share` is not set, they are also read from
+/// the tables of all machines that shared the sweep. Returns nothing unless `settings.resume` is set.
 [[nodiscard]] std::multimap<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& json);

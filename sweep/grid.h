@@ -35,8 +35,8 @@ struct SweepSetting {
 struct SweepGrid {
     std::vector<SweepSetting> pictures;
     /// Number of images in each row of the contact sheet, which shows thumbnails of all images. It equals the
-    /// number of values of the innermost setting that has several values. Therefore, each row of the sheet
-    /// shows a series in which only this setting varies.
+    /// number of values of the innermost setting that has several values. Therefore, each row shows a series
+    /// in which only this setting varies.
     std::size_t row = 1;
 };
 

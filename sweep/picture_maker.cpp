@@ -123,9 +123,8 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
     FocusResult r = focus_picture(frame_, focus);
     const FocusMethod method = r.method;
     MadePicture out = made(std::move(r), method_name(method));
-    // Predicts the error of the image by comparing it with a light field image, the reference. A pinhole
-    // image is an exception. It is computed directly from the records and is more accurate than the
-    // reference, so the comparison would not show its error.
+    // The error is predicted by comparing the image with a light field image, the reference. A pinhole image
+    // is more accurate than this reference, so its error is not predicted.
     if (method != FocusMethod::pinhole) predict(out, {.focus = focus});
     return out;
 }

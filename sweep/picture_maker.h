@@ -21,9 +21,10 @@ namespace postlens {
 /// Settings that all images of a sweep share. Their names and defaults are those of the command `focus`, or
 /// of `shoot` for images with motion blur.
 struct PictureSettings {
-    /// Method that makes all images of the sweep. If the images have motion blur (a shutter), the default is
+    /// Method that makes the images of the sweep. If they have motion blur (a shutter), the default is
     /// lightfield, and the only other choices are hybrid and automatic. Without a shutter, the default is
-    /// what usual_method returns for the file: layers or scatter.
+    /// automatic if `target_db` or `scene` is given. Otherwise, it is what usual_method returns for the file:
+    /// layers or scatter.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;
@@ -70,8 +71,8 @@ class PictureMaker {
   public:
     /// Prepares to make images from the sample file `file`, to which it keeps a reference. `with_shutter`
     /// tells whether the images have motion blur. Throws Error(wrong_arguments) if motion blur is needed but
-    /// settings.method does not support it. Throws Error(invalid_input) if settings.paths, the motion of
-    /// objects, names an unknown object.
+    /// settings.method does not support it, or if another setting does not fit the method. Throws
+    /// Error(invalid_input) if settings.paths, the motion of objects, names an unknown object.
     PictureMaker(const SampleFileReader& file, PictureSettings settings, bool with_shutter);
     PictureMaker(const PictureMaker&) = delete;
     PictureMaker& operator=(const PictureMaker&) = delete;

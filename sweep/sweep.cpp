@@ -200,9 +200,9 @@ class Sweep {
         });
     }
 
-    /// Returns the number of images that are made at the same time, 1 or 2. If the method only reads the
-    /// records of a small sample file, a single image does not keep all threads busy, so two are made. Other
-    /// methods use all threads for one image.
+    /// Returns the number of images that are made at the same time. It is 2 for methods that only read the
+    /// records of a small sample file, because a single image does not keep all threads busy. Otherwise, it
+    /// is 1.
     [[nodiscard]] std::size_t at_a_time() const {
         constexpr std::uint64_t most_records = 2'000'000;
         return by_records() && !settings_.picture.predict && file_.record_count() <= most_records ? 2 : 1;
@@ -222,8 +222,8 @@ class Sweep {
     }
 
     /// Starts a background thread that writes the image number i to its file and computes its row in the
-    /// table of results. The user may cancel the sweep, which is the whole series of images. The thread
-    /// nevertheless completes its work, so that no finished image is lost.
+    /// table of results. If the user cancels the sweep, the thread still completes its work, so that no
+    /// finished image is lost.
     void start_finishing(std::size_t i, Making made, double pinhole_energy) {
         finishing_.push_back(
             {i, std::async(std::launch::async, [this, i, pinhole_energy, made = std::move(made)] {
@@ -273,8 +273,8 @@ class Sweep {
     }
 
     /// Calls `use` with the records of the sample file, and returns its result. If by_records() is true, the
-    /// method of the sweep needs the records for each image, so they are already in memory. Otherwise, they
-    /// are read from the file for this call and then freed.
+    /// method of the sweep needs the records for each image, so they stay in memory. Otherwise, they are read
+    /// from the file for this call and then freed.
     auto with_records(const auto& use) {
         if (by_records()) return use(maker_.frame());
         FocusFrame once(file_);
@@ -291,11 +291,9 @@ class Sweep {
             FocusSettings pinhole{.lens = {.focal_length_mm = 50, .f_number = HUGE_VAL},
                                   .method = FocusMethod::pinhole};
             if (zoom != 1) {
-                // The lens magnifies the image `made` by the factor `zoom`, compared with the traced pinhole
-                // image. So that their gradient energies can be compared, the pinhole image is now magnified
-                // by the same factor. The film distance determines the magnification. With Framing::lens and
-                // a focus at infinity, it equals the focal length, which is therefore `zoom` times the traced
-                // film distance.
+                // The image `made` is magnified by the factor `zoom`, so the pinhole image must be too. The
+                // film distance determines the magnification. With Framing::lens and a focus at infinity, it
+                // equals the focal length, which is therefore `zoom` times the traced film distance.
                 pinhole.framing = Framing::lens;
                 pinhole.lens.focal_length_mm = zoom * file_.header().film_distance_mm;
                 pinhole.focus_distance_m = HUGE_VAL;
@@ -325,8 +323,8 @@ class Sweep {
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
         // The warning states how large errors of position in the image are. These errors are proportional to
-        // the squared aperture radius and to the gain, which is the film distance in px. Lenses with an equal
-        // product of both have the same errors, so the warning is computed only once for them.
+        // the gain (film distance in px) times the squared aperture radius. Therefore, the warning is
+        // computed only once for lenses with an equal product.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);

@@ -34,8 +34,8 @@ struct SweepSettings {
     std::optional<Share> share;
     std::string part;      ///< JSON that a share's table stores under the key "part"; empty: none
     Join join = Join::no;  ///< if not `no`, with `resume`: no image is made
-    /// Paths of other input files on which the images depend, for example the scene. If the contents of one
-    /// of these files have changed since an earlier run, no image of that run is kept.
+    /// Paths of other input files on which the images depend, for example a file with the motion of objects.
+    /// If the contents of one of these files have changed since an earlier run, no image of that run is kept.
     std::vector<std::filesystem::path> depends_on;
     Damage damage = Damage::refuse;        ///< handling of damage in the sample file
     std::optional<double> exposure_stops;  ///< exposure of all images; absent: the file's

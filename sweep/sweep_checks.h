@@ -15,8 +15,7 @@
 namespace postlens {
 
 /// Returns the raster positions, in px, at which the circle of confusion is reported in the table of the
-/// sweep. If the settings contain positions, these are returned. Otherwise, the positions form a grid of 3 x
-/// 3 points.
+/// sweep. These are the positions in the settings or, if there are none, a grid of 3 x 3 points.
 [[nodiscard]] std::vector<glm::dvec2> sweep_points(const SweepSettings& s, const SampleHeader& h);
 
 /// Returns the images' file names, in the order of the grid.

@@ -67,8 +67,8 @@ void add_stops(const std::string& option, std::string_view text, std::vector<dou
              option, text);
     }
     // The f-numbers engraved on a lens are rounded. For example, f/11 stands for f/11.31, which is 0.08 stops
-    // more. If a user gives 11 as the end of a range, the value 11.31 must be included. Therefore, the last
-    // value may exceed the given end by this many stops.
+    // more. A range that ends at 11 must include it. Therefore, the last value may exceed the given end by
+    // this many stops.
     constexpr double missed_stops = 0.1;
     const double stops = 2 * std::log2(to / from);
     const double steps = std::floor((stops + std::min(missed_stops, *step / 2)) / *step);

@@ -14,9 +14,8 @@ namespace {
 
 // Largest total number of values in all accessors (typed arrays) of a glTF document: 1 GiB as floats.
 constexpr std::size_t most_numbers = std::size_t{1} << 28;
-// An accessor (a typed array of a glTF document) may have no buffer. All its elements are then 0, so they
-// take no space in the file. A tiny file could therefore demand any amount of memory. This is the largest
-// number of elements that is accepted for such an accessor.
+// Largest number of elements of a glTF accessor without a buffer. All its elements are 0 and take no space in
+// the file, so a tiny file could demand any amount of memory.
 constexpr std::size_t most_zeros = std::size_t{1} << 24;
 
 enum Component : unsigned {

@@ -12,9 +12,9 @@ namespace postlens {
 struct GltfValues {
     std::size_t count = 0;
     std::size_t components = 1;  ///< number of values per element: 1 for a SCALAR, 3 for a VEC3, ...
-    /// The numbers of the accessor (a typed array of a glTF document). The components of the first element
-    /// come first, then those of the second element, and so on. All numbers are finite. Integers that the
-    /// file declares as normalised are scaled to [0, 1] if unsigned, or to [-1, 1] if signed.
+    /// Components of all elements of the accessor (a typed array of a glTF document), one element after the
+    /// other. All are finite. Integers that the file declares as normalised are scaled to [0, 1] if unsigned,
+    /// or to [-1, 1] if signed.
     std::vector<float> values;
 };
 
@@ -24,10 +24,9 @@ class GltfAccessors {
   public:
     explicit GltfAccessors(const GltfDocument& document) : document_(document) {}
 
-    /// Returns the elements of an accessor (a typed array of the document). If the accessor is sparse, the
-    /// elements that it replaces are included. `index` is the accessor's index in the document, and must be
-    /// in range. `place` is the JSON object that refers to the accessor; error messages name it.
-    /// Throws Error(invalid_input):
+    /// Returns the elements of the accessor with this index in the document. If the accessor is sparse, the
+    /// elements that it replaces are included. `index` must be in range. `place` is the JSON object that
+    /// refers to the accessor; error messages name it. Throws Error(invalid_input):
     /// - if the number of components is not one of `components`
     /// - if elements lie outside the buffer view
     /// - if a number is not finite

@@ -34,8 +34,9 @@ struct GltfNodeCurves {
     [[nodiscard]] Placement at(double time_s, const Placement& own) const;
     /// Returns the times of all keyframes of these curves, in s and ascending. A step curve keeps each value
     /// until the next keyframe, where it jumps. But values between two of the returned times are
-    /// interpolated. Therefore, another time is inserted before each jump, earlier by shortest_key_gap_s, so
-    /// that the value is kept up to there.
+    /// interpolated. Therefore, another time is inserted shortly before each jump, so that the value is kept
+    /// up to there. It is earlier by shortest_key_gap_s, or by half the distance to the previous keyframe if
+    /// this is less.
     [[nodiscard]] std::vector<double> times_s() const;
 };
 

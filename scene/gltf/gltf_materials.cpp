@@ -95,9 +95,9 @@ class MaterialReader {
         const RawImage* raw = image_of(info);
         const UvSource own = uv_source(info);
         if (!raw) {
-            // The emission is to be multiplied by a texture, but this texture's image cannot be used. Most of
-            // an emissive texture is usually black. Without the texture, the whole surface would emit light.
-            // Therefore, it is better if the surface emits nothing.
+            // The texture that multiplies this emission cannot be used. Without it, the whole surface would
+            // emit light. But most of an emissive texture is usually black, so it is better if the surface
+            // emits nothing.
             out.emission = dvec3(0);
             notes_.add("a surface whose emissiveTexture is left out emits nothing");
         } else if (has_uv && !(own == uv)) {

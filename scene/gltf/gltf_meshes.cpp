@@ -98,9 +98,8 @@ class PrimitiveReader {
             });
         const auto dropped = mesh_.triangles.end() - kept;
         mesh_.triangles.erase(kept, mesh_.triangles.end());
-        // Triangles without area have just been removed. In a triangle strip, such triangles are normal,
-        // because they join pieces of a mesh. Therefore, a note to the user says that they are left out only
-        // if the mesh is not a strip.
+        // In a triangle strip, triangles without area are normal, because they join pieces of a mesh.
+        // Therefore, no note tells the user that they are left out.
         if (mode != strip) {
             for (auto i = dropped; i > 0; --i) notes_.add("a triangle without area is left out");
         }

@@ -26,7 +26,7 @@ struct GltfPart {
     std::optional<std::size_t> material;  ///< index in the document; empty for the default material
 };
 
-/// Reads the mesh with the index `index` and returns its primitives (parts with one material) that have
+/// Reads the mesh `index` of the document and returns its primitives (parts with one material) that have
 /// triangles. Lengths are multiplied by `metres_per_unit`, so they are in metres. `uvs` tells for each
 /// material which texture coordinates it uses. `notes` gets notes to the user on what is ignored. Throws
 /// Error(invalid_input).

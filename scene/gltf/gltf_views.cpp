@@ -82,8 +82,7 @@ std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& n
     light.kind = type == "point" ? Light::Kind::point : Light::Kind::spot;
     // The light is divided by the squared distance. This distance is in the file's unit, so a squared
     // distance in m^2 is multiplied by 1 / unit^2, where `unit` is the number of metres per unit. If the user
-    // chooses another `unit`, the whole scene is scaled, but the surfaces receive the same light and the
-    // image does not change.
+    // chooses another `unit`, the whole scene is scaled, but the image does not change.
     light.attenuation = dvec3(0, 0, 1 / (unit * unit));
     if (l.has("range")) notes.add("the range of a light is left out: it shines on beyond it");
     if (light.kind == Light::Kind::spot) {

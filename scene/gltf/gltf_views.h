@@ -15,8 +15,8 @@ namespace postlens {
 
 /// Returns the light of a node (KHR_lights_punctual), or empty if the node has none. The file gives the
 /// intensity in lux or candela, but a Light needs the radiance that a white diffuse surface has in this
-/// light. Therefore, the intensity is divided by lumens_per_watt, which gives watts, and by pi, because such
-/// a surface reflects irradiance / pi. Throws Error(invalid_input).
+/// light. Therefore, the intensity is divided by `options.lumens_per_watt`, which converts lumens to watts,
+/// and by pi, because the radiance of such a surface is irradiance / pi. Throws Error(invalid_input).
 [[nodiscard]] std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& node,
                                               const SceneReadOptions& options, SceneNotes& notes);
 

@@ -15,9 +15,9 @@
 namespace postlens {
 
 /// Provides files to the library assimp, which reads OBJ scenes. The contents are passed from memory and
-/// converted to UTF-8, and MTL files (materials) are rewritten by obj_text.h. Files outside the scene's
-/// folder are not opened, and no files are written. If a requested file is missing or outside the folder, it
-/// is listed.
+/// converted to UTF-8, and MTL files (materials) are rewritten (see obj_text.h). Files outside the scene's
+/// folder are not opened, and no files are written. If a requested file cannot be read or is outside the
+/// folder, `missing` or `outside` lists it.
 class MeshFiles : public Assimp::IOSystem {
   public:
     /// `text` is the content of the scene file, an OBJ file as rewritten by `rewritten_obj`.

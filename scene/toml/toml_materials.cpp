@@ -129,7 +129,7 @@ Material read_material(const TomlTable& t, const TexturesByName& textures) {
     m.fresnel = t.flag("fresnel").value_or(m.fresnel);
     // `reflection_grazing` and `specular_grazing` are the colours of the reflection and of the highlight at
     // grazing angles. Both are 1 by default. But if a material has no reflection or no highlight at all, it
-    // must have none at grazing angles either. Therefore, the colour is set to 0.
+    // must have none at grazing angles either. Therefore, that colour is set to 0.
     if (m.reflection == dvec3(0)) m.reflection_grazing = dvec3(0);
     if (m.specular == dvec3(0)) m.specular_grazing = dvec3(0);
     m.reflection_exponent = t.number("reflection_exponent", exponent).value_or(m.reflection_exponent);

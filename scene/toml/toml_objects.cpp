@@ -77,8 +77,8 @@ class ObjectReader {
 
   private:
     // Checks the keys of a table for an object whose key "shape" is missing or misspelt. The keys of all
-    // shapes are accepted, because the shape is unknown. The error message is then about "shape", not about a
-    // key that is correct for the intended shape.
+    // shapes are accepted, so that the error message is about "shape", not about a key that is correct for
+    // the intended shape.
     static void refuse_unknown_of_any_shape(const TomlTable& t) {
         std::vector<Name> all;
         for (std::size_t kind = 0; kind < shape_kinds.size(); ++kind) {

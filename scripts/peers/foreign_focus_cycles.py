@@ -42,7 +42,7 @@ def blender(out, arguments, words):
     if arguments.keep and os.path.exists(out):
         return
     # Blender contains a Python interpreter, but takes the standard library from the first python3 on the search path.
-    # This must be Debian's python3 in /usr/bin, because it has the module numpy. Therefore, /usr/bin is put first.
+    # This must be Debian's python3 in /usr/bin, because it has the module numpy.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
     quiet = ["-b", "--factory-startup", "-noaudio", "--python-exit-code", "1"]

@@ -158,8 +158,8 @@ class View:
         camera = bpy.data.cameras.new("camera")
         camera.sensor_fit, camera.sensor_width, camera.lens = "HORIZONTAL", self.film_width_mm, self.focal_length_mm
         camera.clip_start, camera.clip_end = 1e-3, 1e6
-        # Sets up a camera with depth of field. In Blender as in postlens, the radius of the aperture is focal length /
-        # (2 f-number). The aperture has 0 blades, which means that it is a disc.
+        # In Blender as in postlens, the radius of the aperture is focal length / (2 f-number). With 0 blades, the
+        # aperture is a disc.
         camera.dof.use_dof = math.isfinite(f_number)
         if camera.dof.use_dof:
             camera.dof.aperture_fstop, camera.dof.focus_distance = f_number, focus_m
