@@ -26,13 +26,12 @@ namespace postlens {
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);
-    /// Adds the misplaced surface samples of the image rows [y_begin, y_end) to the image. A sample is
-    /// misplaced if reprojection to some lens point draws it at a wrong position. `band` has the records of
-    /// the sample file, and must contain these rows. Add every row exactly once, from top to bottom.
+    /// Adds the misplaced surface samples of the image rows [y_begin, y_end) to the image. `band` has the
+    /// records of the sample file, and must contain these rows. Add every row exactly once, from top to
+    /// bottom.
     void add(const RecordBand& band, int y_begin, int y_end);
     /// Returns the image that add() has summed: for each pixel, row by row, the radiance of the misplaced
-    /// light. This light is shown around its position in the pinhole image, spread as wide as its blur.
-    /// Returns an empty list if no light is misplaced.
+    /// light. Returns an empty list if no light is misplaced.
     [[nodiscard]] std::vector<float> picture() const;
 
   private:

@@ -125,8 +125,8 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
 }
 
 /// Returns the lens geometry with all lengths on the film in px of the traced image instead of px of the
-/// final image. The final image may be magnified by the factor `zoom`. Images are blurred first and magnified
-/// afterwards, so blurring needs the px of the traced image.
+/// final image. Images are blurred first and magnified by `zoom` afterwards, so blurring needs the px of the
+/// traced image.
 FocusGeometry in_traced_px(FocusGeometry geometry) {
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
@@ -263,10 +263,9 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const View shown = framed(file, settings, geometry);
-    // `settings.crop` is the part of the final image that is to be computed, in pixels of this image. If the
-    // lens magnifies (zoom != 1), the image is blurred first and magnified afterwards. The blurred image then
-    // has other pixels than the final one, so the crop does not apply to it. Therefore, the whole image is
-    // blurred.
+    // `settings.crop` is in pixels of the final image. If the lens magnifies (zoom != 1), the image is
+    // blurred first and magnified afterwards. The blurred image then has other pixels than the final one, so
+    // the whole image is blurred.
     const std::optional<Crop> crop = shown.zoom == 1 ? settings.crop : std::nullopt;
     FocusResult out;
     if (pinhole) {

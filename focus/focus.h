@@ -61,8 +61,8 @@ struct FocusResult {
     Image image;
     FocusMethod method = FocusMethod::scatter;  ///< the method used; `pinhole` if the aperture is 0
     /// Number of depths for which blur kernels were computed. It is FocusSettings::depths if that is set.
-    /// Otherwise, it is the number of different CoC radii that occur in the image. It is 0 for a pinhole,
-    /// which needs no blur kernels.
+    /// Otherwise, it is the number of equally spaced depths if the spacing is linear, or else the number of
+    /// different CoC radii in use. It is 0 for a pinhole.
     int depths = 0;
     int views = 0;              ///< number of views of `lightfield`
     double largest_coc_px = 0;  ///< largest CoC diameter of a surface seen directly, px of the image

@@ -130,8 +130,8 @@ std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& fie
 /// images show the error.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
-    // The error is estimated from several sets of lens points. All these sets together must have at least
-    // this many points, because fewer points would make the estimated error unreliable.
+    // All sets of lens points together must have at least this many points, because fewer points would make
+    // the estimated error unreliable.
     constexpr int least_views = 64;  // of all sets together
     const int views = s.views;
     s.views = std::max(1, views / 2);

@@ -190,10 +190,9 @@ class Spread {
                 const int y = source.y_begin + static_cast<int>(i);
                 row.clear();
                 behind_row.clear();
-                // Reads the estimates of the surfaces that lie hidden behind the pixels of the row `y`. Rows
-                // above or below the image have no estimates of their own, because they only continue
-                // surfaces of the image beyond its border. They therefore get the estimates of the image's
-                // first or last row.
+                // Rows above or below the image have no estimates of hidden surfaces of their own, because
+                // they only continue surfaces of the image beyond its border. They therefore get the
+                // estimates of the image's first or last row.
                 if (behind_ && width > 0 && picture_.y_begin < picture_.y_end)
                     behind_->row(std::clamp(y, picture_.y_begin, picture_.y_end - 1), behind_row);
                 if (y >= picture_.y_begin && y < picture_.y_end) found[task].add(guessed(behind_row));
@@ -273,9 +272,9 @@ class Spread {
         return finish(SplatTables(source, window_, geometry_, levels_, DepthModel::path, response_), scatter);
     }
 
-    /// Divides alpha by `open`, the fraction of the lens that sends light to the pixel. Towards the image's
-    /// corners, the lens blocks some light (vignetting). This makes the colours darker, but must not make
-    /// pixels translucent. Where `open` is 0, alpha becomes 1.
+    /// Divides alpha by `open`, the fraction of the lens that sends light to the pixel. Vignetting makes the
+    /// colours darker towards the image's corners, but must not make pixels translucent. Where `open` is 0,
+    /// alpha becomes 1.
     void undo_vignetting(const NodeResponses& responses, Image& alpha) const {
         for (int y = 0; y < alpha.height; ++y) {
             for (int x = 0; x < alpha.width; ++x) {

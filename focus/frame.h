@@ -24,7 +24,7 @@ struct TreeSheets;
 /// - `band`: the records (surface samples) of these rows and of the rows directly above and below
 /// - `samples`: the eye rays through these rows, with the surfaces that they hit; one element for each group
 ///   of `rows_per_task` rows. Empty if not computed.
-/// - `plain`: the eye rays that hit no mirror or glass, in a compact form; grouped as in `samples`. Empty if
+/// - `plain`: the most common eye rays, in a compact form (PlainCorners); grouped as in `samples`. Empty if
 ///   not computed.
 struct FrameRows {
     /// Number of rows per task. Fewer rows would be inefficient, because each task also reads the row above

@@ -1,6 +1,5 @@
-// Finds by how much the surfaces of each pixel are misplaced when they are seen from other lens points. Their
-// positions there are extrapolated linearly from the lens's centre. Record::w_bend, in 1/m^2, measures the
-// error of this extrapolation. The result is the largest w_bend in each pixel.
+// Finds by how much linear reprojection to other lens points misplaces the surfaces of each pixel: the
+// largest Record::w_bend, in 1/m^2.
 #pragma once
 
 #include <vector>

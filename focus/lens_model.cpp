@@ -42,10 +42,10 @@ class LensModel final : public ResponseModel {
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
-        // The blur of a point has two causes. Defocus scales the lens uniformly, and astigmatism adds the
-        // rest of the matrix, `further`. Without astigmatism, the table gives the radius of the blur.
-        // `stretched` bounds the displacement, in px, that `further` adds. It contains the factor 1.5,
-        // because the real opening (pupil) may be wider than the nominal aperture.
+        // The matrix consists of a uniform scale, for which the table gives the radius of the blur, and of
+        // the rest, `further`, which curved mirrors and glass cause (astigmatism). `stretched` bounds the
+        // displacement, in px, that `further` adds. It contains the factor 1.5, because the real opening
+        // (pupil) may be wider than the nominal aperture.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -66,9 +66,9 @@ class LensModel final : public ResponseModel {
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // If the blur is large and the lens or a mirror makes it astigmatic (`further_px_m` is not 0), it is
-        // drawn as an ellipse. The other aberrations of the lens would change its shape too, but in so large
-        // a blur, this change is invisible.
+        // If the blur is large, and a curved mirror or glass makes it astigmatic (`further_px_m` is not 0),
+        // it is drawn as an ellipse. The other aberrations of the lens would change its shape too, but in so
+        // large a blur, this change is invisible.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,

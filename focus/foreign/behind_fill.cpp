@@ -34,8 +34,9 @@ struct Radii {
 };
 
 /// Returns whether the sample `other` lies behind the sample `own`. The signed CoC radius of a sample grows
-/// with its depth, so a sample with a larger radius lies farther away. If the radii differ too little (by
-/// less than least_step_px), the samples count as one surface.
+/// with its depth, so a sample with a larger radius lies farther away. If the radii differ by less than
+/// least_step_px, the samples count as one surface, unless an effect has made their blur radii differ by at
+/// least least_step_px.
 bool is_farther(const Radii& other, const Radii& own) {
     return other.own - own.own >= least_step_px ||
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
@@ -145,10 +146,9 @@ class BehindSearch::Impl {
         }
         if (count == 0) return {};
         if (has_ids_) count = keep_most_seen(finds, count);
-        // Estimates the surface that is hidden behind the pixel (x, y). `finds` are the farther surfaces that
-        // were found in the directions around this pixel. The hidden surface gets the depth and object of the
-        // closest of them, `nearest`. Its colour is the weighted mean of all surfaces in `finds` at nearly
-        // this depth.
+        // `finds` are the farther surfaces that were found in the directions around the pixel (x, y). The
+        // hidden surface gets the depth and object of the closest of them, `nearest`. Its colour is the
+        // weighted mean of all surfaces in `finds` at nearly this depth.
         const Find* nearest =
             std::min_element(finds.data(), finds.data() + count,
                              [](const Find& a, const Find& b) { return a.distance_px < b.distance_px; });

@@ -14,8 +14,8 @@
 namespace postlens {
 
 /// Extends surfaces beyond the image border, because the blur of what lies outside may reach into the image.
-/// A surface that is n pixels deep, measured from the border into the image, is also extended by n pixels
-/// outwards, but at most by its blur radius. Outside, its colour and alpha are the means over these n pixels.
+/// A surface is extended by n pixels: as far as it reaches from the border into the image, but at most by its
+/// blur radius. Its colour and alpha outside are the means of its n pixels at the border.
 class BorderExtension {
   public:
     /// `aberration_px` is the distance by which spherical aberration spreads light beyond the CoC radius.

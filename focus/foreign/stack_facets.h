@@ -21,8 +21,7 @@ namespace postlens {
 [[nodiscard]] bool are_one_surface(const StackSample& a, const StackSample& b, const FocusGeometry& geometry);
 
 /// A sample of an image, drawn as a quadrilateral that covers the sample's pixel and has a depth at each of
-/// its four corners. A pixel may have several samples, one behind another, so it may have several
-/// quadrilaterals.
+/// its four corners. A pixel may have several, one behind another.
 struct Facet {
     /// Number of corners of a pixel. The corner at (x, y) has the index x + 2 y, where x and y are 0 or 1.
     static constexpr std::size_t corners = 4;

@@ -69,10 +69,9 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
 /// others. This part equals its alpha, so the mean over all lens points is correct (stochastic transparency).
 bool is_opaque(const Facet& f, std::uint32_t view) {
     if (f.sample.alpha >= 1) return true;
-    // A translucent sample is drawn either as opaque or as transparent, at random for each lens point. It is
-    // opaque if its alpha exceeds a pseudo-random number from 0 to 1, made by a scrambled van der Corput
-    // sequence. The seed is that of the sample, so samples of one pixel are opaque independently of each
-    // other.
+    // The sample is opaque if its alpha exceeds a pseudo-random number from 0 to 1, made by a scrambled van
+    // der Corput sequence. The seed is that of the sample, so samples of one pixel are opaque independently
+    // of each other.
     const std::uint32_t place = reverse_bits(owen_scramble_reversed(reverse_bits(view), f.seed));
     const std::uint32_t bits = reverse_bits(owen_scramble_reversed(place, mix32(f.seed)));
     return static_cast<double>(bits) * 0x1p-32 < static_cast<double>(f.sample.alpha);
@@ -119,8 +118,8 @@ class Band {
             for (std::size_t c = 0; c < 3; ++c)
                 out.image.rgb[3 * k + c] = static_cast<float>(sums_[i].rgba[c] / s_.views);
             // The aperture may block some lens points for a pixel near the image's corner (vignetting). This
-            // makes the pixel darker, but must not make it translucent. So alpha is averaged only over the
-            // `passed` lens points that are not blocked.
+            // must not make the pixel translucent, so alpha is averaged only over the `passed` lens points
+            // that are not blocked.
             const float passed = passed_.empty() ? views : passed_[i];
             const auto alpha = static_cast<float>(sums_[i].rgba[3]);
             out.image.alpha[k] = passed > 0 ? alpha / passed : 1;
@@ -172,9 +171,8 @@ class Band {
                y + std::min(a, b) - margin_px <= static_cast<float>(y_begin_ + rows_);
     }
 
-    /// Draws a quadrilateral as one lens point sees it: finds the pixels that it covers. Its corners are
-    /// shifted by this lens point, depending on their depth. A pixel counts as covered if the quadrilateral
-    /// contains the pixel's sample, which has integer coordinates here.
+    /// Finds the pixels that a quadrilateral covers when it is seen from one lens point. A pixel counts as
+    /// covered if the quadrilateral contains the pixel's sample, which has integer coordinates here.
     void meet(const View& v, const Facet& f, std::uint64_t number, int x, int y) {
         std::array<float, Facet::corners> px{}, py{};
         for (std::size_t c = 0; c < Facet::corners; ++c) {
@@ -247,9 +245,9 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // Counts, for each pixel, the lens points that see no surface of the image there. Such a lens point
-        // sees past all surfaces, or only a surface that was extended beyond the image border (`beyond`).
-        // Lens points that the aperture blocks do not count.
+        // Counts, for each pixel, the lens points that see no surface of the image there, or only a surface
+        // that was extended beyond the image border (`beyond`). Lens points that the aperture blocks do not
+        // count.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;

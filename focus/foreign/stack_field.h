@@ -46,7 +46,7 @@ struct StackField {
     /// pixel's samples, the value is 0, because no surface is missing there.
     std::vector<float> unseen;
     /// For each pixel, the mean alpha over the lens points, including objects that only hide others
-    /// (holdouts). It is below 1 near the image border, where some lens points see nothing.
+    /// (holdouts). It may be below 1, for example near the image border, where some lens points see nothing.
     /// divide_by_covered() therefore divides the pixel's colour and alpha by it. If empty space lies behind
     /// the pixel's samples, this value is at least 1, so the division does not make the pixel opaque.
     std::vector<float> covered;

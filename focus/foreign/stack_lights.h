@@ -1,6 +1,6 @@
-// Converts the samples of an image from another program to light that can be blurred (PixelLight). A pixel
-// may have several samples, one behind another. The light that the pinhole sees is separated from the light
-// that nearer samples hide from the pinhole, because other lens points may see it.
+// Converts the samples of an image from another program to light that can be blurred (PixelLight). The light
+// that the pinhole sees is separated from the light that nearer samples hide from the pinhole, because other
+// lens points may see it.
 #pragma once
 
 #include <span>

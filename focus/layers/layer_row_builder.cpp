@@ -85,9 +85,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
-        // Looks for an earlier sample of the same pixel with the same surface and blur kernel, and adds the
-        // new sample to it. The hash table has only one slot per hash value. So if another sample occupies
-        // the slot, the new sample is not merged, which is also correct but slower.
+        // The hash table has only one slot per hash value. So if another sample occupies the slot, the new
+        // sample is not merged, which is also correct but slower.
         Slot& slot = slots_[((hash + number) * 0x9E3779B97F4A7C15U) >> 54];
         if (slot.index >= pixel_begin_ && slot.index < row_.splats.size() && slot.key == key) {
             LayerSplat& to = row_.splats[slot.index];

@@ -74,8 +74,7 @@ struct LayerSplat {
 };
 
 /// A run of samples that belong to one surface and lie in the same pixel row of a square of 64 x 64 px. The
-/// image is divided into these squares to blur the samples of each square together. The run has the elements
-/// [begin, end) of the list of all samples in the pixel row `row`.
+/// run has the elements [begin, end) of the list of all samples in the pixel row `row`.
 struct LayerRun {
     std::uint32_t row = 0;
     std::uint32_t begin = 0, end = 0;
@@ -113,9 +112,8 @@ class LayerSplats {
     LayerSplats& operator=(LayerSplats&&) = delete;
 
     /// Adds the surface samples at the pixel corners of the image rows [y_begin, y_end) to the samples that
-    /// will be blurred. `band` has the records of the sample file. It must contain these rows and, if the
-    /// file has them, the rows directly above and below. Throws Error(invalid_input) if a pixel's quadtree is
-    /// damaged.
+    /// will be blurred. `band` must contain these rows and, if the file has them, the rows directly above and
+    /// below. Throws Error(invalid_input) if a pixel's quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
@@ -139,8 +137,8 @@ class LayerSplats {
     void finish();
 
     /// Starts the first of two passes, in which a large image is computed in strips (groups of rows) to save
-    /// memory. In the first pass, all samples are added once after survey(), only to find the surfaces and
-    /// blur kernels. In the second pass, call begin_strip() for each strip, add the rows that it returns
+    /// memory. In the first pass, call survey(), add all samples and call finish(), only to find the surfaces
+    /// and blur kernels. In the second pass, call begin_strip() for each strip, add the rows that it returns
     /// again, and call finish_strip().
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
@@ -167,8 +165,8 @@ class LayerSplats {
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
     /// Returns the position of a sample in its pixel, as the distance from the pixel's upper left corner, in
-    /// px along both axes. It is 0 for a sample file, whose samples lie at pixel corners. It is 0.5 for
-    /// images of other programs, whose samples lie at pixel centres.
+    /// px along both axes. It is 0 for a sample file, and 0.5 for images of other programs, whose samples lie
+    /// at pixel centres.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
     [[nodiscard]] const RadianceRange& colours() const { return colours_; }

@@ -28,9 +28,8 @@ class LayerSums {
     ///   0, or 0.5 if samples lie at pixel centres
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
-    /// Completes the sums of all pixels. add() stores the uniform parts of blurred samples only as
-    /// differences between neighbouring pixels of a row. This function sums up these differences along each
-    /// row. Call it after the last add() and before reading the sums.
+    /// Completes the sums of all pixels. Sums up the stored differences along each row. Call it after the
+    /// last add() and before reading the sums.
     void finish();
 
     [[nodiscard]] const RasterWindow& rows() const { return rows_; }

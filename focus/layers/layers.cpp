@@ -28,9 +28,9 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
            float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
-    // In a real lens, its rims block a part of the light towards the image's corners (vignetting). `open` is
-    // the fraction of the lens that stays open for the pixel (x, y). The weights of all surfaces are reduced
-    // by this fraction, so an opaque pixel would seem translucent. They are therefore divided by `open`.
+    // `open` is the fraction of the lens that vignetting leaves open for the pixel (x, y). The weights of all
+    // surfaces are reduced by this fraction, so an opaque pixel would seem translucent. They are therefore
+    // divided by `open`.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {

@@ -78,8 +78,8 @@ std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, doubl
 }
 
 /// Returns whether the rectangle `crop` contains a gap: a pixel that is drawn, but in which no lens point
-/// sees a recorded surface. Gaps are filled from the surrounding pixels. These may lie outside `crop`, so if
-/// there is a gap, the pixels outside must be drawn too.
+/// sees a recorded surface. Gaps are filled from the surrounding pixels. These may lie outside `crop`, and
+/// must then be drawn too.
 bool has_gaps(const PatchPicture& seen, std::size_t number, std::span<const FieldViews> sets, int piece_px,
               const std::optional<OneSurface>& simple, const Crop& crop) {
     std::atomic<bool> found = false;

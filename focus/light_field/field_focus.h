@@ -82,8 +82,8 @@ struct FieldViews {
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     std::function<double(int x, int y)> aimed;
     /// Several images can be drawn together, each from one or more sets of lens points. This is the index of
-    /// the image to which this set belongs. If several sets belong to one image, each must draw other squares
-    /// of it, so their functions `wanted` must not select the same square.
+    /// the image to which this set belongs. If several sets belong to one image, their functions `wanted`
+    /// must select different squares of it.
     std::size_t picture = 0;
 };
 

@@ -59,8 +59,7 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
         // A highlight seen in a mirror may be partly hidden by other objects in the mirror, but this is not
         // tested. A blur kernel would therefore spread light that is hidden. So if the highlight is sharp,
-        // its blur kernel spreads it only if it is small. Otherwise, the light is reprojected like other
-        // light.
+        // its blur kernel spreads it only if it is small.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
         // An occluder may hide a part of this highlight. If the highlight is larger than its blur, the image
         // shows which part is hidden, but the test of visibility treats the highlight as a point. So blur
@@ -178,8 +177,8 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     // kernel. `side` is the highlight's width, in px; 0 means that it is not divided.
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
     // True for a static highlight (`u` is then negative) whose blur lies within one pixel. The position of
-    // its kernel is rounded to a fraction of a pixel. Rounding could move the kernel to the pixel's border,
-    // and so a part of its light into the next pixel. Therefore, `phase` keeps the position inside the pixel.
+    // its kernel is rounded to a fraction of a pixel. Without this, rounding could move the kernel to the
+    // pixel's border, and so a part of its light into the next pixel.
     const bool stays_in_pixel = s.u < 0 && is_point(h, geometry_);
     for (const Span& y : divided_at_cells(middle.y, side, 1)) {
         for (const Span& x : divided_at_cells(middle.x, side, 1)) {

@@ -14,8 +14,8 @@ namespace postlens {
 namespace {
 
 /// Upper bound of the distance that a highlight's blur kernel reaches: kernel_grows times the radius of its
-/// circle of confusion, plus kernel_margin_px, in px. The bound is larger than the circle itself, because the
-/// sizes of kernels may be rounded up.
+/// circle of confusion, plus kernel_margin_px, in px. Both are margins, because the sizes of kernels may be
+/// rounded up.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
 /// A large image is drawn in groups of rows, to save memory. The surfaces of each group are read from the
 /// rows of the file near the group. But some lens point may see a surface far from the row in which it is

@@ -138,9 +138,9 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // Chooses highlights with a probability proportional to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // The highlight moves, and its records in the sample file may lack some of its parts. Rays aimed
-            // at its recorded parts would never hit the missing ones. Therefore, the ray is not aimed at the
-            // highlight, but at a random position in the pixel and at a random lens point.
+            // The sample file may lack some parts of a moving highlight, and rays aimed at its recorded parts
+            // would never hit them. Therefore, the ray is not aimed at the highlight, but at a random
+            // position in the pixel and at a random lens point.
             chosen -= light;
             std::size_t k = 0;
             for (; k + 1 < passing.size() && chosen >= passing[k].light; ++k) chosen -= passing[k].light;

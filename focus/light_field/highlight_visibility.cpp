@@ -118,8 +118,7 @@ class FieldHighlights::OverViews final : public Lights {
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
     /// Number of equal intervals into which the exposure is divided, for highlights that move. Each interval
-    /// has its own table, which lists the lens points nearest to each part of the lens. Lens points whose
-    /// instant lies far from the interval count as more distant.
+    /// has its own table, which lists the lens points nearest to each part of the lens.
     static constexpr int spans = 16;
     /// Converts a time difference to a distance, because the search for the nearest lens points considers
     /// both the position on the lens and the instant. A time difference as long as the whole exposure counts
@@ -285,8 +284,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                              of_.geometry_.inverse_focus_per_m};
         for (const Patch& patch : patches.patches) {
             // Skips a surface that lies completely behind the highlight, because it cannot hide the
-            // highlight. The loop then continues, because the surfaces are not sorted by depth, so later ones
-            // may lie in front of the highlight.
+            // highlight. The surfaces are not sorted by depth, so later ones may lie in front of the
+            // highlight.
             if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
             place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, before);
         }

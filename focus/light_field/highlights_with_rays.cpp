@@ -70,7 +70,7 @@ bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& l
 }
 
 /// Returns whether a bright surface is so steep that some lens points see it edge-on or from behind. The
-/// sample file contains only what the lens centre sees, so it then lacks a part of the surface's light.
+/// sample file then lacks a part of its light, because samples show the view from the lens centre.
 ///
 /// Traces rays to random points of `lights`, the highlights of the object `id`, and measures the slope of the
 /// surface there. At least half of the points must be too steep, because even a round surface has some steep

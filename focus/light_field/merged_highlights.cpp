@@ -88,8 +88,7 @@ void MergedHighlights::add(const Highlight& h, float sheet_area_px2) {
     if (is_point(h, geometry_)) {
         cell_px = 1;  // a pixel
     } else {
-        // Chooses the width of the cells into which the highlight is divided. The width depends only on the
-        // highlight and on its sheet, the part of the surface that contains it. It does not depend on other
+        // The width of the cells depends only on the highlight and on its sheet. It does not depend on other
         // highlights, because a cropped image may lack them. So each part of an image is the same as in the
         // whole image.
         while (cell_px < largest_cell_px &&

@@ -41,8 +41,7 @@ class HighlightMotion {
     /// identifies the surface's object and the reflections and transmissions through which it is seen.
     [[nodiscard]] bool moves(const SheetKey& key) const { return key.path.bits() == 0 && moves_(key.id); }
     /// Returns whether a moving highlight is small and bright enough to be drawn as a streak along its path.
-    /// `area_px2` is the total area, in px^2, of all highlights on the same surface within a square of 16 x
-    /// 16 px.
+    /// `area_px2` is the total area of all highlights on the same surface within a square of 16 x 16 px.
     [[nodiscard]] static bool takes(const Highlight& light, float area_px2);
     /// A moving highlight at one instant of the exposure.
     struct Moment {

@@ -20,8 +20,8 @@ void each_cell(const RasterRect& r, const RasterWindow& window, int columns, int
         return static_cast<int>(
             std::clamp(std::floor((px - begin) / OneSurface::edge), -1.0, static_cast<double>(count)));
     };
-    // Enlarges the rectangle `r` by one pixel on each side. Its light spreads up to one pixel beyond it,
-    // because the pixel filter and the blur kernels extend that far.
+    // The light of the rectangle `r` spreads up to one pixel beyond it, because the pixel filter and the blur
+    // kernels extend that far.
     const int x0 = std::max(0, cell(r.x_min - 1, window.x_begin, columns)),
               x1 = std::min(columns - 1, cell(r.x_max + 1, window.x_begin, columns)),
               y0 = std::max(0, cell(r.y_min - 1, window.y_begin, rows)),

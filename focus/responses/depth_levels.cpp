@@ -23,10 +23,9 @@ double clamped_radius_px(double diameter_px) {
 /// half of linear_step_px. The diameter changes most at the nearest depth. Therefore, only this depth is
 /// considered.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // Computes the largest step between depth levels (depths for which blur kernels are computed). Rounding a
-    // depth to the nearest level changes it by at most half a step, h. At the nearest depth z, this changes
-    // the CoC diameter by coc_gain_px_m (1 / z - 1 / (z + h)), which may be linear_step_px / 2. `room` is the
-    // resulting 1 / (z + h).
+    // Computes the largest step between depth levels. Rounding a depth to the nearest level changes it by at
+    // most half a step, h. At the nearest depth z, this changes the CoC diameter by coc_gain_px_m (1 / z - 1
+    // / (z + h)), which may be linear_step_px / 2. `room` is the resulting 1 / (z + h).
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;
     const double half_step_m = 1 / room - nearest_m;
@@ -100,9 +99,8 @@ std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_dept
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
-    // The depth levels, for which blur kernels are computed, cover the depths of all surfaces that are seen
-    // directly. A surface that is seen by reflection or refraction may have a depth outside this range. The
-    // function then returns nothing.
+    // The depth levels cover the depths of all surfaces that are seen directly. A surface that is seen by
+    // reflection or refraction may have a depth outside this range. The function then returns nothing.
     if (finite_levels_ == 1) {
         if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
         return 0;

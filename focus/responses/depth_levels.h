@@ -40,8 +40,8 @@ class DepthLevels {
   public:
     static constexpr int most_depths = 4096;
     static constexpr int most_linear_levels = 256;
-    /// CoC radius, in px, of a point in focus. In theory it is 0, but a disc of radius 0 has no area. The
-    /// disc of this radius has an area, and still lies within one pixel.
+    /// CoC radius, in px, of a point in focus. It is not 0, so that the disc has an area, but the disc lies
+    /// within one pixel.
     static constexpr double smallest_radius_px = 1e-4;
     /// Largest CoC radius, in px. A larger radius is reduced to this one. The error is invisible, because a
     /// disc of this radius adds less than 1e-10 of a sample's light to any pixel.

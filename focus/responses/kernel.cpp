@@ -18,8 +18,8 @@ namespace {
 /// stored once for all of them. If there are fewer, the value is stored for each pixel, which is as fast.
 constexpr int shortest_inner_px = 6;
 
-/// Size, in px, that replaces the radius 0, because a disc of radius 0 has no area. The disc is so small that
-/// its kernel is that of a point.
+/// Size, in px, that replaces the radius 0, because such a disc has no area. The resulting kernel is that of
+/// a point.
 constexpr double smallest_ellipse_px = 1e-4;
 
 std::int32_t steps(double px, double step_px) {

@@ -88,7 +88,7 @@ struct KernelKey {
 
     /// True if the aperture is not round. Its blur is then described by a 2x2 matrix that converts lens
     /// points to px. The fields half_height, half_chord, top_displacement and map_yy then hold the four
-    /// entries of this matrix, so that the key needs fewer fields.
+    /// entries of this matrix.
     bool is_map = false;
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
@@ -106,8 +106,8 @@ struct KernelKey {
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
     /// Rounds this key more coarsely by a factor of 2^times, so that more samples share one blur kernel. This
-    /// concerns the sizes and subpixel position of the blur ellipse, or the entries of the blur matrix if the
-    /// aperture is not round.
+    /// concerns the sizes and subpixel position of the blur ellipse, or the entries of the blur matrix and
+    /// the width of the cell if the aperture is not round.
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
@@ -175,8 +175,8 @@ class KernelTable {
     /// Returns the range of pixels that a blur kernel covers, over all colour channels. Call it after
     /// `build`.
     [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
-    /// Each blur kernel is identified by a number, from 0 on. Returns how many numbers are in use. Each depth
-    /// level also has a number. If no sample uses its kernel, this kernel does not exist.
+    /// Returns how many numbers of blur kernels there are. Each depth level has a number, even if no sample
+    /// uses its kernel, which then does not exist.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns how many depth levels have a blur kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }

@@ -81,9 +81,9 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // When the keys of kernels are rounded more coarsely, several keys may become equal. Only the first
-        // of them is kept. Therefore, the keys are sorted first, so that the timing of threads does not
-        // affect which key is kept.
+        // When the keys of kernels are rounded more coarsely, several may become equal, and only the first is
+        // kept. Therefore, the keys are sorted first, so that the timing of threads does not affect which key
+        // is kept.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)

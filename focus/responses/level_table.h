@@ -25,9 +25,8 @@ class LevelTable {
     /// Computes the depth level (number of a blur kernel) nearest to a CoC diameter, without the lookup
     /// table. `diameter_px` must be finite; its sign is ignored.
     [[nodiscard]] static std::uint32_t nearest_level(double diameter_px);
-    /// Blur kernels are computed for certain CoC diameters, and each has a number, its depth level. Returns
-    /// the level whose diameter is nearest to `diameter_px`. The sign of `diameter_px` is ignored. Below
-    /// end_px, the level is read from a table, because this is faster.
+    /// Returns the depth level whose CoC diameter is nearest to `diameter_px`. The sign of `diameter_px` is
+    /// ignored. Below end_px, the level is read from a table, because this is faster.
     [[nodiscard]] std::uint32_t level_of(double diameter_px) const {
         const double wide_px = std::abs(diameter_px);
         if (!(wide_px < end_px)) return nearest_level(wide_px);

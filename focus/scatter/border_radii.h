@@ -15,9 +15,9 @@ struct BorderRadii {
     std::vector<float> left, right;  ///< per row, from y_begin on
 
     explicit BorderRadii(const RasterWindow& source);
-    /// Stores the blur radius of a sample, `radius_px`, if the sample lies on the border of the traced area.
-    /// It is stored for the sample's position on the border, unless a larger radius is stored there already.
-    /// Thread-safe for different rows.
+    /// If the sample lies on the border of the traced area, stores its blur radius `radius_px` for its
+    /// position on the border, unless a larger radius is stored there already. Thread-safe for different
+    /// rows.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
     /// Stores the blur radius of a pixel, `radius_px`, for each corner of the pixel (x, y) that lies on the
     /// border of the traced area. A larger radius that is stored there already is kept.

@@ -26,13 +26,12 @@ namespace postlens {
 /// A sample is plain if it shows no reflections and lies at the corner of four pixels that the quadtree does
 /// not divide. Plain samples are stored compactly: one element per pixel corner, row by row.
 struct PlainCorners {
-    /// Inverse depth of the sample at each pixel corner, in 1/m. If the sample is not plain, because it shows
-    /// reflections or lies at a divided pixel, the value is `not_plain`.
+    /// Inverse depth of the sample at each pixel corner, in 1/m. It is `not_plain` if the sample is not
+    /// plain.
     std::vector<double> inverse_depth;
     std::vector<float> r, g, b;  ///< as inverse_depth; 0 for other corners
-    /// Indices into PointSamples::samples of the samples that are not plain: they show reflections, or lie at
-    /// a pixel that the quadtree divides. The indices are sorted by row. Those of row i begin at
-    /// others[other_begin[i]].
+    /// Indices into PointSamples::samples of the samples that are not plain. The indices are sorted by row.
+    /// Those of row i begin at others[other_begin[i]].
     std::vector<std::uint32_t> others, other_begin;
     /// Summary of the samples that are stored for a row.
     struct Row {
@@ -44,9 +43,8 @@ struct PlainCorners {
     static constexpr double not_plain = -1;
 };
 
-/// Finds the plain samples, which PlainCorners can store: they show no reflections, and lie at the corner of
-/// four pixels that the quadtree does not divide. `band` contains the records of `samples`. The result is
-/// stored in `out`, whose memory is reused.
+/// Finds the plain samples. `band` contains the records of `samples`. The result is stored in `out`, whose
+/// memory is reused.
 void find_plain_corners(const RecordBand& band, const PointSamples& samples, PlainCorners& out);
 
 }  // namespace postlens

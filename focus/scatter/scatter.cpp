@@ -30,8 +30,8 @@ constexpr int strip_width = RunScatter::strip_width;
 using Sums = std::array<const double*, 4>;
 
 /// Returns the number by which a pixel's sum of colours is divided. It is the sum of the samples' weights,
-/// `weight`. If `weight` is less than 1, the samples do not fill the pixel. Empty space then fills the rest,
-/// but at most the fraction `most_nothing` of the pixel. This fraction is added to `weight`.
+/// `weight`. If `weight` is less than 1, empty space fills the rest, but at most the fraction `most_nothing`
+/// of the pixel, which is added to `weight`.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }

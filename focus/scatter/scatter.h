@@ -1,6 +1,5 @@
-// The method `scatter` [potmesil1981]. It spreads each sample over its circle of confusion (the disc over
-// which the lens blurs it). Then it divides the sum of colours in each pixel by the sum of the samples'
-// weights.
+// The method `scatter` [potmesil1981]. It spreads each sample over its circle of confusion. Then it divides
+// the sum of colours in each pixel by the sum of the samples' weights.
 #pragma once
 
 #include "focus/scatter/splat_tables.h"

@@ -116,9 +116,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     add_splats(s, primary, rgb, share);
 }
 
-// Adds the plain samples of a row, which show no reflections and lie at corners of pixels that the quadtree
-// does not divide. The result is the same as if add_sample were called for each. But this function is faster,
-// because it converts the depths of a whole row at once.
+// Adds the plain samples of a row (see PlainCorners). The result is the same as if add_sample were called for
+// each. But this function is faster, because it converts the depths of a whole row at once.
 void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t row) {
     const std::size_t width = level_.size(), at = row * width;
     const std::span inverse = std::span(plain.inverse_depth).subspan(at, width);

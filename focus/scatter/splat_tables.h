@@ -100,9 +100,9 @@ class SplatTables {
     /// Computes the blur kernels. Call it after the last call of add_rows or add_pixels.
     void finish();
 
-    /// A large image is computed in strips (groups of rows), to save memory. For this, call survey() first
-    /// and add all samples, to find out which rows each sample's blur reaches. Then, for each strip, call
-    /// begin_strip(), add once more the rows of samples that it returns, and call finish_strip().
+    /// A large image is computed in strips (groups of rows), to save memory. For this, first call survey(),
+    /// add all samples and call finish(), to find the blur kernels. Then, for each strip, call begin_strip(),
+    /// add once more the rows of samples that it returns, and call finish_strip().
     void survey() { keep_ = Keep::none; }
     /// Prepares to compute `part`, a strip (group of rows) of the image. Returns the ranges [begin, end) of
     /// rows of samples that must be added again before finish_strip(), because their blur reaches the strip.
@@ -122,9 +122,9 @@ class SplatTables {
     [[nodiscard]] const SplatRow& row(int y) const {
         return rows_[static_cast<std::size_t>(y - source_.y_begin)];
     }
-    /// Returns one colour channel (0: red, 1: green, 2: blue) of the samples in row y, one value for each
-    /// pixel corner. Only the values of samples that belong to a run (SplatRun) are valid. The colours of all
-    /// other samples are in their splats.
+    /// Returns one colour channel (0 to 2) of the samples in row y, one value for each pixel corner. Only the
+    /// values of samples that belong to a run (SplatRun) are valid. The colours of all other samples are in
+    /// their splats.
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
@@ -137,16 +137,16 @@ class SplatTables {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
-    /// Returns how much of each pixel in row y may show empty space: an upper bound of the fraction of the
-    /// pixel's area. Returns null if no pixel may show empty space.
+    /// Returns, for each pixel in row y, an upper bound of the fraction that may show empty space. Returns
+    /// null if no pixel may show empty space.
     [[nodiscard]] const float* nothing_row(int y) const {
         return nothing_.empty() ? nullptr
                                 : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *
                                                         static_cast<std::size_t>(picture_.width());
     }
     [[nodiscard]] const BorderRadii& border() const { return border_; }
-    /// Returns the largest CoC diameter, in px, of the directly visible surfaces at a finite depth. This
-    /// diameter is exact, whereas blur kernels are computed for rounded diameters only.
+    /// Returns the largest CoC diameter, in px, of the directly visible surfaces at a finite depth. It is not
+    /// rounded to a depth level.
     [[nodiscard]] double largest_coc_px() const;
     /// Returns how many different radii the samples' blur discs have.
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }

@@ -30,7 +30,7 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// Prepares to add samples. At first, there are none.
+    /// Creates an object without samples.
     /// - `source`: window of the rows of samples in the file
     /// - `picture`: window of the image, which is divided into blocks of `block_px` rows
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
