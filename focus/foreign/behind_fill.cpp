@@ -192,8 +192,9 @@ class BehindSearch::Impl {
     };
 
     /// Visits the pixels that lie in the direction `d` from (x, y), one after another, and calls `take` for
-    /// each. `blur_px` is the blur radius of the pixel (x, y). The walk ends if `take` returns true, or at a
-    /// distance where the circle of confusion of no pixel can overlap that of (x, y).
+    /// each. `blur_px` is the blur radius of the pixel (x, y). The walk ends if `take` returns true, where
+    /// the image and its stored pixels end, or at a distance where the circle of confusion of no pixel can
+    /// overlap that of (x, y).
     template <typename Take>
     void walk(int x, int y, const Direction& d, float blur_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;

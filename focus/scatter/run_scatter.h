@@ -31,7 +31,7 @@ class RunScatter {
     /// samples reach the block.
     bool run(const RasterWindow& block);
 
-    /// Returns the sums of one channel in row y of a strip of the image. It is `strip_width` columns wide.
+    /// Returns the sums of one channel in row y of a strip of the image, which is `strip_width` columns wide.
     /// Channels 0 to 2 are the colours, channel 3 is the weight.
     [[nodiscard]] const double* sums(int channel, int strip, int y) const {
         return total_.data() + index(channel, strip, y - block_.y_begin);
