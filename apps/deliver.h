@@ -20,9 +20,8 @@ struct Delivery {
     std::optional<SharedWork> shared;
 };
 
-/// Delivers the image `image` of a command. If `to` names an output file, writes the image to it. Otherwise,
-/// adds the image to the command's result `out`. Also adds the image's crop, exposure and warnings to `out`
-/// (report_picture).
+/// If `to` names an output file, writes the image of a command to it. Otherwise, adds the image to the
+/// command's result `out`. Also adds the image's crop, exposure and warnings to `out` (report_picture).
 void deliver(Image image, const Delivery& to, CommandResult& out);
 
 /// Adds the crop and the exposure of an image to the result. Warns if the image is too bright or too dark for

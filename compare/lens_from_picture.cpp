@@ -273,7 +273,7 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
 
     // Refuses a given image without lens blur. `sharp_error` is the error of the pinhole image, which is
     // sharp. If the given image has lens blur, even a roughly fitted lens reproduces it better than the
-    // pinhole does. So if its error is not smaller, the image has no lens blur.
+    // pinhole does.
     if (starts.front().error > sharp_error) refuse_no_blur(starts.front().error, sharp_error);
 
     std::vector<LensFromPicture> found;

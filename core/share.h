@@ -8,9 +8,8 @@ namespace postlens {
 /// Share number `index` of `count` shares. `index` begins at 0.
 struct Share {
     int index = 0, count = 1;
-    /// Returns true if item i of the work belongs to this share. An item is, for example, a frame or an
-    /// image. The items are dealt in turn, so that every `count`-th item belongs to this share, starting with
-    /// item `index`.
+    /// Returns true if item i of the work, for example a frame or an image, belongs to this share. Every
+    /// `count`-th item does, starting with item `index`.
     [[nodiscard]] bool has(std::size_t i) const {
         return i % static_cast<std::size_t>(count) == static_cast<std::size_t>(index);
     }

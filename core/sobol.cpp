@@ -94,8 +94,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
 
 /// Permutes the indices of samples randomly, so that independent choices use the Sobol points in different
 /// orders. The permutation is a nested uniform scramble: if two indices differ only in their lowest j bits,
-/// their permuted indices also differ only in their lowest j bits. Therefore, groups of 2^j consecutive
-/// samples stay groups.
+/// their permuted indices also differ only in their lowest j bits. Therefore, each group of 2^j consecutive
+/// samples whose first index is a multiple of 2^j stays such a group.
 template <int lanes>
 [[gnu::always_inline]] inline void shuffled(std::uint32_t seed, std::uint32_t reversed_mask, int first,
                                             std::uint32_t* index) {

@@ -1,5 +1,5 @@
 // Reads values of given types from the tables of a TOML file. If a value is missing or wrong, the error names
-// its line and column in the file. Include this header only in .cpp files that read TOML, because it includes
+// the line and column in the file. Include this header only in .cpp files that read TOML, because it includes
 // the library toml++, which takes seconds to compile.
 #pragma once
 

@@ -12,9 +12,8 @@ namespace postlens::api {
 /// A lens and its focus. A value that is not given is taken from the sample file or picture, or from the
 /// camera of a scene.
 struct LensSettings {
-    /// Focal length F of the lens in mm, more than 0 (`--focal-length`). Together with the f-number n, it
-    /// determines the diameter of the aperture, F / n. It changes the field of view only if `framing` is
-    /// "lens".
+    /// Focal length F of the lens in mm, more than 0 (`--focal-length`). Together with the f-number, it
+    /// determines the diameter of the aperture. It changes the field of view only if `framing` is "lens".
     std::optional<double> focal_length_mm = {};
     /// F-number n, more than 0 (`--f-number`). The diameter of the aperture is focal length / n. Infinity
     /// means a pinhole.

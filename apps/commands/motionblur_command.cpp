@@ -189,7 +189,7 @@ CommandResult blur_with_rays(const MotionBlurOptions& o) {
     shoot.focus.lens = {.f_number = std::numeric_limits<double>::infinity()};
     // Sets a focus distance if the file has none, because the command `shoot` requires one. The value does
     // not matter: the f-number is infinite, so the lens is a pinhole, whose image does not depend on the
-    // focus distance. 1 m is used.
+    // focus distance.
     if (!SampleFileReader(o.input, damage_rule(o.salvage)).header().focus_m) shoot.focus.lens.focus_m = 1;
     shoot.focus.views = o.settings.views;
     return run_shoot(shoot);

@@ -120,10 +120,9 @@ ViewServer::ViewServer(ViewSession& session, int port) : impl_(std::make_unique<
     server.set_keep_alive_timeout(patience_s);
     server.set_payload_max_length(0);
     server.set_tcp_nodelay(true);
-    // Sets options of the server's socket. FD_CLOEXEC prevents the browser process, which this program
-    // starts, from inheriting the socket. SO_REUSEADDR lets the viewer use a port again soon after it was
-    // closed. SO_REUSEPORT, which the HTTP library sets by default, is not set, because another program could
-    // then use the same port.
+    // FD_CLOEXEC prevents the browser process, which this program starts, from inheriting the socket.
+    // SO_REUSEADDR lets the viewer use a port again soon after it was closed. SO_REUSEPORT, which the HTTP
+    // library sets by default, is not set, because another program could then use the same port.
     server.set_socket_options([](socket_t socket) {
         ::fcntl(socket, F_SETFD, FD_CLOEXEC);
         const int yes = 1;

@@ -95,7 +95,7 @@ class ViewedRecords : public ViewedFrame {
         }
         // `clicked` is the surface on which the web page focuses the lens if the user clicks on the pixel. It
         // is the brightest surface that the pixel shows, i.e. the first in the list `nodes`, which is sorted
-        // by brightness. It is null if the list is empty.
+        // by brightness.
         out["clicked"] = out["nodes"].empty() ? Json(nullptr) : out["nodes"][0];
         return out;
     }

@@ -59,9 +59,8 @@ struct AtlasCase {
     ChartRequest view;   ///< scene, camera, lens, shutter and samples per pixel of the reference
     AtlasMethod method;  ///< the method under test
     std::optional<AtlasMethod> remedy;  ///< a method that is correct where `method` fails
-    /// Smallest fraction of the method's error, from 0 to 1, that must be attributed to the cause `cause`.
-    /// The test case expects an error with this cause. The function find_error_causes analyses the error, and
-    /// the test fails if less than this fraction is attributed to `cause`.
+    /// Smallest fraction of the method's error, from 0 to 1, that find_error_causes must attribute to the
+    /// cause `cause`. If it attributes less, the test fails.
     double named_at_least = 0;
 };
 

@@ -29,8 +29,8 @@ struct AtlasResult {
     double pinhole_db = 0, noise_db = 0, affected_share = 0;
     AtlasFigures method;
     std::optional<AtlasFigures> remedy;
-    /// Each test case may expect an error of the method and name its cause. This is the fraction of the
-    /// error, from 0 to 1, that has this cause. It is absent if the test case expects no error.
+    /// A test case may expect an error of the method with a certain cause. This is the fraction of the error,
+    /// from 0 to 1, that has this cause. It is absent if the test case expects no error.
     std::optional<double> named_share;
     std::string named_most;  ///< the cause to which most of the error is attributed
 };
@@ -39,8 +39,7 @@ struct AtlasResult {
 /// version.
 [[nodiscard]] std::string atlas_key(const AtlasCase& c);
 
-/// Runs one case of the atlas, a collection of scenes in which a rendering method may fail. Temporary files
-/// are written to `folder`, which must exist. Throws Error.
+/// Runs one case of the atlas. Temporary files are written to `folder`, which must exist. Throws Error.
 ///
 /// If `strip` is not empty, a picture is written to this path. It shows side by side the images of the
 /// method, of the remedy (a method that is correct there) and of the reference, and then the method's error

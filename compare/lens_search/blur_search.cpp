@@ -182,8 +182,7 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
                 for (int b = std::max(0, k - 1); b <= std::min(focus_steps - 1, k + 1); ++b) {
                     // A lens of the search grid, with the indices i (aperture) and k (focus), is a local
                     // minimum if none of its neighbours (a, b) has a smaller error. Among neighbours with
-                    // equal errors, only the first in the grid is a minimum. Therefore, the comparison is
-                    // strict for the neighbours before it, and not strict for the others.
+                    // equal errors, only the first in the grid is a minimum.
                     const bool before = a < i || (a == i && b < k);
                     least = least && (before ? at(i, k) < at(a, b) : at(i, k) <= at(a, b));
                 }

@@ -70,7 +70,7 @@ const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place
     FocusSettings s;
     // Sets the focal length (in mm) and the f-number. If the field of view is fixed, the blur depends only on
     // the diameter of the aperture, which is focal length / f-number. Therefore, every focal length gives the
-    // same image if the diameter is the same. 1000 mm is used.
+    // same image if the diameter is the same.
     s.lens = {1000, 1000 / place.aperture_mm};
     s.focus_distance_m = place.inverse_focus_per_m > 0 ? 1 / place.inverse_focus_per_m
                                                        : std::numeric_limits<double>::infinity();

@@ -36,8 +36,8 @@ struct BlockSums {
 
 // Estimates the bias b that noise causes, because the sRGB encoding is nonlinear: it shifts the mean of noisy
 // values in proportion to their variance. r1 and r2 are two noisy values of a pixel, and f1 and f2 are their
-// encodings. The mean of f1 and f2 has the bias b. The encoding of the mean of r1 and r2 has only the bias b
-// / 2, because averaging halves the variance. So b is twice the difference.
+// encodings. The mean of f1 and f2 has the bias b. The encoding of the mean of r1 and r2 has only half of
+// this bias, because averaging halves the variance. So b is twice the difference.
 double encoding_bias(float r1, float r2, float f1, float f2) {
     return 2 * (0.5 * (static_cast<double>(f1) + static_cast<double>(f2)) -
                 static_cast<double>(srgb_from_linear(0.5F * (r1 + r2))));

@@ -10,7 +10,7 @@
 namespace postlens {
 
 /// Estimate of the mean squared error of an image I against the true image T, which is unknown. It uses two
-/// noisy references, R1 and R2. If the noise of the two is independent and has the mean zero, (I - R1)(I -
+/// noisy references, R1 and R2. If the noise of both is independent, with mean zero, the product (I - R1)(I -
 /// R2) has the same mean as (I - T)^2. So the noise does not count as an error.
 struct NoisyError {
     double mse = 0;             ///< the estimate; may be negative; NaN if no pixel counts
@@ -24,8 +24,8 @@ struct NoisyError {
     [[nodiscard]] double least_rms() const;
     [[nodiscard]] double greatest_rms() const;
     /// Returns true if the confidence interval of the image's RMS error begins at zero, so that the image may
-    /// have no error at all. In this case, the error itself is not known. The upper end of the interval,
-    /// `greatest_rms`, is then only an upper bound of it.
+    /// have no error at all. The upper end of the interval, `greatest_rms`, is then only an upper bound of
+    /// the error.
     [[nodiscard]] bool is_bound() const { return !(least_rms() > 0); }
 };
 

@@ -23,9 +23,9 @@ void resize_at_least(Bytes& bytes, std::size_t size) {
     if (bytes.size() < size) bytes.resize(size);
 }
 
-/// Prepares the bytes of a chunk for compression, as OpenEXR defines it: `raw` contains the bytes, and `out`
-/// receives the result. First moves the bytes at even positions before those at odd positions. Then replaces
-/// each byte by its difference from the previous byte, plus 128.
+/// Prepares the bytes of a chunk for compression, as OpenEXR defines it. First moves the bytes at even
+/// positions before those at odd positions. Then replaces each byte by its difference from the previous byte,
+/// plus 128.
 void predict(ByteView raw, Bytes& apart, Bytes& out) {
     resize_at_least(apart, raw.size());
     resize_at_least(out, raw.size());

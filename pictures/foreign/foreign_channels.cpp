@@ -193,9 +193,8 @@ class Finder {
             });
         if (!own_file || !found.empty()) return found;
         // If the user gave a separate file for depths, a channel may be the depth although its name does not
-        // say so. A file with a single channel can only contain the depth, so this channel is accepted under
-        // any name. Of several channels, R, Y or V is accepted, because some programs write depths as a grey
-        // RGB image.
+        // say so. If a part of this file has a single channel, this channel is accepted under any name. Of
+        // several channels, R, Y or V is accepted, because some programs write depths as a grey RGB image.
         return candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
             const std::string letter = split_channel(name).second;
             if (file_.parts()[part].channels.size() == 1 || letter == "R" || letter == "Y" || letter == "V")

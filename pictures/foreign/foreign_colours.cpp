@@ -59,8 +59,8 @@ int rank(const ForeignFile& file, std::size_t part, const std::string& layer) {
 }
 
 /// Returns how well a layer matches the name `asked`, which the user requested. 0 is best: the part, the
-/// stereo view or the layer has this name, or the layer's name begins with it. 1 means that these names
-/// together contain all words of `asked`, in any order. 2 means no match.
+/// stereo view or the layer has this name, the layer's name begins with it, or `asked` is empty. 1 means that
+/// these names together contain all words of `asked`, in any order. 2 means no match.
 int misfit(const ForeignFile& file, std::size_t part_number, const std::string& layer,
            const std::string& asked) {
     const ForeignPart& part = file.parts()[part_number];

@@ -23,7 +23,7 @@ using Take = std::function<void(int, std::span<const float* const>)>;
 
 /// Returns the compression of a file part if ChunkCodec, our own decoder, can decode it. ChunkCodec takes a
 /// third of the time that the OpenEXR library takes. Returns empty otherwise, for example if the part is
-/// tiled or a channel is subsampled. The library then decodes the part.
+/// tiled or a channel is subsampled.
 std::optional<ChunkCompression> own_compression(const ForeignPart& part, const Imf::Header& h) {
     if (part.tiled || h.compression() > Imf::ZIP_COMPRESSION) return std::nullopt;
     for (auto c = h.channels().begin(); c != h.channels().end(); ++c) {

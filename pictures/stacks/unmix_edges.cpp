@@ -158,10 +158,10 @@ class Unmixer {
         }
     }
 
-    /// Adjusts the colours of the surfaces in a pixel. Each colour was taken from nearby pixels, so their
-    /// mean, weighted by coverage, may differ from the pixel's own colour `whole`. The colours are changed
-    /// until the mean is `whole`. If no nearby pixel shows the colour of some of these surfaces, only the
-    /// colours of those surfaces are changed.
+    /// Adjusts the colours of the surfaces in a pixel. The colours were taken from nearby pixels, so their
+    /// mean, weighted by coverage, may differ from the pixel's own colour `whole`. They are changed so that
+    /// the mean is `whole`. If some of the surfaces are not shown alone by any nearby pixel, only the colours
+    /// of these surfaces are changed.
     static void give_colours(const std::array<double, 4>& whole, std::span<Portion> portions) {
         double unknown = 0, squares = 0;
         for (const Portion& portion : portions) {
@@ -187,8 +187,8 @@ class Unmixer {
 
     /// Limits the values of channel `c` of the surfaces in one pixel: colours to at least 0, and alphas to
     /// the range from 0 to 1. The mean of the values, weighted by coverage, should be `whole`, the pixel's
-    /// own value. But the limits may change this mean. So the values are then scaled (alphas that are too
-    /// small are moved towards 1) until their mean is `whole` again.
+    /// own value. But the limits may change this mean. So the values are then scaled (or, if the mean of
+    /// alphas is too small, moved towards 1), so that their mean is `whole` again.
     static void keep_within(double whole, std::size_t c, std::span<Portion> portions) {
         const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
         double sum = 0, room = 0;
