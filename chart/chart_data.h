@@ -31,9 +31,8 @@ struct ChartFigures {
     double relmse = 0, ssim = 0, flip = 0;
 };
 
-/// A sample file that was traced for a chart. The chart compares methods, which make their images from such
-/// files. Therefore, the time of tracing the file, in seconds, is a part of the cost of these images, and is
-/// measured too.
+/// A sample file that was traced for a chart. The methods that the chart compares make their images from such
+/// files. Therefore, the time of tracing the file, in seconds, is a part of the cost of these images.
 struct ChartTrace {
     std::string name;
     std::vector<double> seconds;  ///< one value per round

@@ -46,9 +46,8 @@ void sobol_joint_16(const std::array<std::uint32_t, sobol_dimensions>& seeds, in
                     const std::array<float*, sobol_dimensions>& u);
 
 /// One- and two-dimensional sample points for random choices other than the pixel position, the lens point
-/// and the time, for example for the choice of a light source. They come from shuffled Sobol sequences
-/// [burley2020]. The functions write the points of samples first .. first + lanes - 1, where `lanes` is 16 or
-/// 1.
+/// and the time, for example for points on area lights. They come from shuffled Sobol sequences [burley2020].
+/// The functions write the points of samples first .. first + lanes - 1, where `lanes` is 16 or 1.
 class SobolPadding {
   public:
     /// `n` is the number of samples of a pixel, 1 .. 2^20. Let 2^k be the smallest power of two not less than

@@ -14,9 +14,9 @@ from .rendered import rendered
 
 # Fraction of a frame's progress bar for each of its two renders.
 RENDER_SHARE = 0.4
-# Before frames are rendered, the function `survey` visits all of them to find the margin that their lenses need.
-# Blender's window cannot respond while it works. Therefore, it pauses regularly. This constant is the longest time
-# between two pauses, in seconds.
+# Before frames are rendered, the function `survey` visits all of them, for example to find the margin that their
+# lenses need. Blender's window cannot respond while it works. Therefore, it pauses regularly. This constant is the
+# longest time between two pauses, in seconds.
 SURVEY_S = 0.1
 
 

@@ -27,9 +27,10 @@ std::array<float, 2 * window_radius + 1> window() {
     return out;
 }
 
-// Means and mean squares of an image a, an image b and their difference d = a - b, within a window around
-// each pixel. SSIM is computed from them. The result equals that of [wang2004], which multiplies a by b
-// instead of using d, but with d it stays precise for nearly equal images.
+// Values from which SSIM is computed for two images, a and b, with the difference d = a - b: within a window
+// around each pixel, the means of a and d, and the mean squares of a, b and d. The result equals that of
+// [wang2004], which multiplies a by b instead of using d, but with d it stays precise for nearly equal
+// images.
 struct Moments {
     TileChannel a, d, aa, bb, dd;
     explicit Moments(std::size_t size) : a(size), d(size), aa(size), bb(size), dd(size) {}

@@ -1,6 +1,6 @@
 // Names and lists the tables with the results of a sweep or chart. If several machines divide the work, each
-// of them computes a share of it. It writes a table of its own results to a folder, from which the tables are
-// later joined.
+// of them computes a share of it, and writes a table of its own results to a folder. The tables are joined
+// later.
 #pragma once
 
 #include <filesystem>

@@ -118,8 +118,8 @@ class Finder {
         if (!part_.deep) take_matte(sets, left);
         // `out_.problems` reports the Cryptomattes (sets of object masks) that cannot be used, for example
         // because channels are missing. If the user named the channel with the object ids (`choice_.ids`),
-        // the other Cryptomattes of the file are not needed. So these reports are removed and cause no
-        // warning.
+        // the other Cryptomattes of the file are not needed. So these reports are moved to `unusable` and
+        // cause no warning.
         const ChannelNames unusable = choice_.ids.empty() ? ChannelNames() : std::exchange(out_.problems, {});
         if (out_.matte) return;
         if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));

@@ -244,16 +244,14 @@ class Reader {
                         const float stored = rows.values[*channel][at];
                         return whole[*channel] ? number_of_bits(stored) : stored;
                     };
-                    // The volume's back depth gets the sign of its front depth, because a file may store all
-                    // depths as negative.
+                    // A volume lies between a front depth and a back depth.
                     const float front = depths_.distance(value(z, 0)),
                                 back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
-                    // A volume lies between a front depth (`front`) and a back depth (`back`). A file may
-                    // store all depths as negative numbers, and the sign of the front depth tells whether it
-                    // does so. Then `end` is the back depth with the opposite sign. But a front depth of 0
-                    // (the camera is inside the volume) has no sign, so `end` is the absolute value of
-                    // `back`.
+                    // A file may store all depths as negative numbers, and the sign of the front depth tells
+                    // whether it does so. Then `end` is the back depth with the opposite sign. But a front
+                    // depth of 0 (the camera is inside the volume) has no sign, so `end` is the absolute
+                    // value of `back`.
                     const float end = !ForeignDepths::is_hit(back) ? 0
                                       : front == 0                 ? std::abs(back)
                                                                    : std::copysign(1.0F, front) * back;
