@@ -21,12 +21,13 @@ class PointPictures {
         : request_(request), scene_(scene), view_(view) {}
 
     /// Makes the image of the point `p`, i.e. with its method and settings, from the sample file `path`. The
-    /// method "rays" traces the scene and does not read this file. Sets `retraced` to the fraction of the
-    /// image's samples for which rays were traced in addition to the file.
+    /// method "rays" traces the scene and does not read this file. If the method may trace additional rays,
+    /// sets `retraced` to the fraction of the view samples that are rays. Otherwise, `retraced` keeps its
+    /// value.
     [[nodiscard]] Image picture(const PlannedPoint& p, const std::filesystem::path& path, double& retraced,
                                 std::vector<std::string>& warnings) const;
     /// Makes an image of the open sample file `frame` for the given lens, with the method and settings in
-    /// `p`. Sets `retraced` to the fraction of samples that were traced again by additional rays.
+    /// `p`. Sets `retraced` as `picture` does.
     [[nodiscard]] Image focused(const PlannedPoint& p, FocusFrame& frame, const ThinLens& lens,
                                 double& retraced, std::vector<std::string>& warnings) const;
 

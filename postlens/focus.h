@@ -44,9 +44,8 @@ struct FocusSettings {
 
 /// What `focus` and `shoot` have made.
 struct FocusResult {
-    /// The picture that was made. If `FocusSettings::crop` is set, it is only this part. If
-    /// `FocusSettings::options` contains `--output`, the picture is written to that file instead, and this
-    /// field is empty.
+    /// The picture that was made. If `crop` in the settings is set, it is only this part. If `options` in the
+    /// settings contains `--output`, the picture is written to that file instead, and this field is empty.
     Picture picture = {};
     std::string method = {};      ///< Method that was used.
     double focal_length_mm = 0;   ///< Focal length that was used, mm.
@@ -56,8 +55,8 @@ struct FocusResult {
     /// does not compute it, and leaves it empty.
     std::optional<double> largest_coc_px = {};
     /// PSNR of the picture, in dB. It is measured by comparing the picture with rays that are traced at
-    /// random places in the scene. It is empty without `FocusSettings::scene`, and infinite if the rays found
-    /// no difference.
+    /// random places in the scene. It is empty if the settings contain no `scene`, and infinite if the rays
+    /// found no difference.
     std::optional<double> stated_db = {};
     std::optional<double> stated_low_db = {};   ///< Lower end of the 95 % interval of `stated_db`, dB.
     std::optional<double> stated_high_db = {};  ///< Upper end of the 95 % interval of `stated_db`, dB.

@@ -153,9 +153,10 @@ class Finder {
         return file_.name();
     }
 
-    /// Returns the index of the part of the OpenEXR file that has a channel `name`. If several parts have it,
-    /// the part with the colours is preferred, and then a part of the same stereo view. Returns empty if no
-    /// part has it.
+    /// Returns the index of the part of the OpenEXR file that has a channel `name`. If the user gave a
+    /// separate file for the pass `use`, only its parts are searched. Otherwise, if several parts have the
+    /// channel, the part with the colours is preferred, and then a part of the same stereo view. Returns
+    /// empty if no part has it.
     [[nodiscard]] std::optional<std::size_t> part_with(const std::string& name, PartUse use) const {
         const bool own_file = file_.has_own_file(use);
         if (!own_file && part_.has(name)) return out_.part;

@@ -209,8 +209,8 @@ class Unmixer {
 
     /// Converts the surfaces of a pixel to a stack of samples. The surfaces cover separate parts of the
     /// pixel, side by side, but the samples of a stack lie one behind the other, and each covers a fraction
-    /// of the light that passes the nearer ones. So their alphas are increased accordingly, and the samples
-    /// composite to the same colour and alpha as the surfaces.
+    /// of the light that passes the nearer ones. So the fraction that a surface covers is divided by this
+    /// fraction of light. Then the samples composite to the same colour and alpha as the surfaces.
     static std::vector<StackSample> stack_of(double whole_alpha, std::vector<Portion>& portions) {
         std::stable_sort(portions.begin(), portions.end(),
                          [](const Portion& a, const Portion& b) { return a.inverse_z > b.inverse_z; });
