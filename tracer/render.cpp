@@ -232,8 +232,7 @@ void trace_all(Renderer& renderer, const std::function<void()>& pause) {
             progress.advance(end - begin);
             // The image is rendered in slices, each of which is a number of tiles that are rendered in
             // parallel. A slice should take 0.1 to 0.4 s. A shorter slice wastes time on starting threads,
-            // and a longer one delays stopping and saving. So the number of tiles is doubled or halved if the
-            // last slice took less or more time.
+            // and a longer one delays stopping and saving.
             if (took_s < 0.1) slice = std::min<std::size_t>(2 * slice, 1U << 16);
             if (took_s > 0.4) slice = std::max<std::size_t>(slice / 2, 16);
             begin = end;

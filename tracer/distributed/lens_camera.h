@@ -70,6 +70,8 @@ class LensCamera {
     /// Returns the raster position, in px, at which the pinhole camera sees another point of this ray.
     /// - `unit`: in lens radii from the centre of the lens
     /// - `t`: distance of the point along the ray, in m
+    ///
+    /// Not for cameras with a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
     /// Returns the inverse depth, 1/m, of a plane at its point `world`, and the derivatives along raster x

@@ -32,7 +32,7 @@ constexpr const char* layout_attribute = "postlens:layout";
 
 // Returns the number of 32-bit words that the file stores for each pixel. 3 of them are for the image. In
 // addition, each half of the samples needs 1 word for the number of samples, and 6 words (three doubles) for
-// the radiance sum of each block of samples.
+// each sum of radiance.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -72,9 +72,9 @@ std::string text_of(const Imf::Header& header, const char* name) {
     return attribute == nullptr ? std::string() : attribute->value();
 }
 
-/// Calls `visit` with each value of a pixel's sums of radiance, in the order of the file's channels. The
-/// pixel's samples are divided into blocks. For each block, there is one sum for red, green and blue. If the
-/// last block is unfinished, its samples have separate sums, which come last.
+/// Calls `visit` with each value of a pixel's sums of radiance, in the order of the file's channels. There
+/// are `blocks` sums for red, green and blue. If `open` is not empty, the sums of the unfinished block come
+/// last.
 template <typename State, typename Visit>
 void each_sum(State& s, std::size_t half, std::size_t pixel, const Visit& visit) {
     const std::size_t values = 3 * s.samples[half].size();

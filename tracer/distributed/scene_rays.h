@@ -1,6 +1,5 @@
-// Traces rays that start at given points of the lens. Parts of an image are wrong if they are computed only
-// from the recorded samples. The radiance of these rays replaces them. The rays shade surfaces in the same
-// way as the command `render`.
+// Traces rays that start at given points of the lens. They replace the parts of an image that recorded
+// samples would make wrong. Surfaces are shaded as by the command `render`.
 #pragma once
 
 #include <mutex>

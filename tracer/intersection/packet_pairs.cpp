@@ -92,7 +92,7 @@ template <int N>
         const float q = -(half_b + std::copysign(std::sqrt(real ? discriminant : 0.0F), half_b));
         // Solves a t^2 + 2 half_b t + c = 0 for the two ray parameters at which the ray crosses the cone.
         // Both terms of `q` have equal signs, so no digits cancel. The solutions are q / a and c / q. If q is
-        // 0 but a is not, half_b and c are 0 too. The ray then touches the cone at t = 0.
+        // 0, the ray can only touch the cone at t = 0.
         const float t0 = q / a, t1 = q == 0 ? 0.0F : c / q;
         const float z0 = pz + t0 * dz, z1 = pz + t1 * dz;
         const bool on0 = real & (a != 0) & (z0 >= 0) & (z0 <= h) & (r0 + k * z0 >= 0);
@@ -158,9 +158,8 @@ bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n, c
     if (context.sources == nullptr) return true;
     for (unsigned i = 0; i < n; ++i) {
         if (valid[i] == 0 || !leaves(context, rays.id[i], geometry, primitive)) continue;
-        // The ray starts on this shape. Therefore, its crossing nearest to t = 0, where t is the distance
-        // along the ray, is the ray's own origin and not a hit. It is removed by setting its distance to
-        // infinity.
+        // The ray starts on this shape. Therefore, its crossing nearest to distance 0 is the ray's own origin
+        // and not a hit.
         float& start = std::abs(out.far[i]) < std::abs(out.near[i]) ? out.far[i] : out.near[i];
         start = std::numeric_limits<float>::infinity();
     }

@@ -19,9 +19,8 @@ struct TimeSpan {
     [[nodiscard]] double at(double share) const { return open_s + share * (close_s - open_s); }
 };
 
-/// Identifies one primitive of the Embree scene. For a ray, it is either the primitive that the ray hits, or
-/// the primitive on which the ray starts. The latter is stored, because the ray must not hit it again at its
-/// start.
+/// Identifies one primitive of the Embree scene. It is the primitive that a ray hits, or the one on which a
+/// ray starts and which it must not hit again there.
 struct HitKey {
     static constexpr std::uint32_t none = 0xFFFFFFFFU;
     std::uint32_t geometry = none, primitive = none, instance = none;

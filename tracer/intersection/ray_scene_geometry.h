@@ -15,9 +15,8 @@
 namespace postlens {
 
 /// Tells how an object affects shadow rays. Its transmittance for each colour channel is stored as -log2 in
-/// fixed point, i.e. as an integer. Where a ray passes through several surfaces, these integers are added.
-/// Sums of integers do not depend on the order, so it does not matter in which order the ray meets the
-/// surfaces.
+/// fixed point, i.e. as an integer. These integers are added along a ray, so it does not matter in which
+/// order the ray meets the surfaces.
 struct ObjectShadow {
     bool casts = true;
     bool transmits = false;

@@ -54,9 +54,8 @@ template <int N>
             if (args->valid[i] == 0) continue;
             const HitKey& from = context.sources[rays.id[i]];
             if (from.geometry != args->geomID || from.primitive != args->primID) continue;
-            // Handles a ray that starts on this sphere, because its last hit was there. It crosses the sphere
-            // at its own origin, which is the crossing whose distance is nearest to 0, and once more. Only
-            // this other crossing counts as a hit.
+            // Handles a ray that starts on this sphere. The crossing whose distance is nearest to 0 is the
+            // ray's own origin, so only the other crossing counts as a hit.
             const float other = std::abs(near[i]) < std::abs(far[i]) ? far[i] : near[i];
             const bool hit = near[i] <= far[i] && other > rays.tnear[i] && other <= rays.tfar[i];
             t[i] = hit ? other : std::numeric_limits<float>::infinity();

@@ -82,8 +82,8 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
     }
     // Limits the number of bright objects, because mirrors and glass show images of them, and each image
     // needs about `cells_of_image` quadtree cells. Each object is assumed to appear twice in every mirror or
-    // glass object. `most` is the number of objects whose images together then need `most_cells` cells. If
-    // there are more objects, only those that emit the most light are kept.
+    // glass object. If their images together need more than `most_cells` cells, only the objects that emit
+    // the most light are kept.
     const double most = most_cells / (cells_of_image * 2 * std::max(mirrors, 1.0));
     if (static_cast<double>(spheres_.size()) > most) {
         std::stable_sort(spheres_.begin(), spheres_.end(), [](const Sphere& a, const Sphere& b) {

@@ -28,7 +28,7 @@ class BrightImages {
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 5;
     /// Approximate number of quadtree cells into which pixels are divided to record one image of a bright
-    /// object. A mirror or glass shows such images.
+    /// object in a mirror or in glass.
     static constexpr double cells_of_image = 200;
 
     /// Contains no objects.

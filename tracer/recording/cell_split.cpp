@@ -160,9 +160,10 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
     }
     for (int channel = 0; channel < 3; ++channel) {
         // Estimates the radiance between the samples of the cell from the colour of the surface's texture, as
-        // times * colour + plus, for each colour channel. `times` is the largest ratio of radiance to texture
-        // colour at the samples, so that contrast is not underestimated. `plus` is the smallest difference
-        // between a sample's radiance and times * colour.
+        // times * colour + plus, for each colour channel. `times` is the largest ratio of the surface's
+        // radiance to its texture colour at the samples, so that contrast is not underestimated. `plus` is
+        // the smallest difference between a sample's whole radiance, with reflections and refractions, and
+        // times * colour, but at least 0.
         double times = 0, plus = HUGE_VAL;
         std::array<double, most_samples> texel{};
         for (int i = 0; i < count; ++i) {

@@ -67,20 +67,18 @@ class CellSplit {
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s) const;
     static void mark_parts(const std::array<Seen, 4>& s);
-    /// Returns true if the quadtree cell `c` is wider than 2^-levels px. Then a pixel that may be divided
-    /// `levels` times contains this cell after fewer divisions, so the cell may be divided further.
+    /// Returns true if the quadtree cell `c` is wider than 2^-levels px. Then a limit of `levels` divisions
+    /// of a pixel allows dividing the cell further.
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// A shading tree contains all surface points that an eye ray hits, directly and after reflections and
-    /// refractions. `s` holds `count` trees of different samples. Takes the surface point number n of the
-    /// first tree and finds its counterpart in every other tree: the point of the same object after the same
+    /// `s` holds `count` shading trees of different samples. Takes the surface point number n of the first
+    /// tree and finds its counterpart in every other tree: the point of the same object after the same
     /// bounces. Returns false if a tree has no counterpart.
     [[nodiscard]] static bool nodes_like(const Seen* s, int count, std::uint32_t n, NodeOfEach& out);
-    /// The shading tree `in` contains the surface points that one eye ray hits, directly and after bounces.
-    /// Returns the index of the surface point that is reached by the sequence of bounces `path`. Tests the
-    /// index `guess` first. It is the index of this point in another tree, and the trees at a cell's corners
-    /// are mostly alike.
+    /// Returns the index of the surface point in the shading tree `in` that is reached by the sequence of
+    /// bounces `path`. Tests the index `guess` first. It is the index of this point in another tree, and the
+    /// trees at a cell's corners are mostly alike.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
     /// Like node_of_path, but also requires the id of `wanted`.
@@ -100,8 +98,8 @@ class CellSplit {
                 visible_layer(c.corner[3])};
     }
     /// The records of a sample form several shading trees, one for each visible or hidden surface on the eye
-    /// ray. Each tree contains the surface and all surfaces that are seen in it. Sets `out` to the tree whose
-    /// first record has the index `at`. Then advances `at` past the tree's last record.
+    /// ray. Sets `out` to the tree whose first record has the index `at`. Then advances `at` past the tree's
+    /// last record.
     void take_layer(const CornerSample& s, std::uint32_t& at, Seen& out) const;
     /// Returns true if the quadtree cell `c` must be divided, because it may contain a narrow object that the
     /// eye rays at all corners of the cell miss. If `hidden` is false, objects behind all surfaces that are

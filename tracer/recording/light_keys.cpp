@@ -22,8 +22,7 @@ using glm::dvec3;
 constexpr int light_steps = 64;
 
 // Least distance between two recorded instants (keys), in 64ths of the shutter interval. A distance of one
-// 64th would need 65 keys, but a file has at most 64 (SampleHeader::most_keys). So the least distance is
-// greater.
+// 64th would need 65 keys, but a file has at most 64 (SampleHeader::most_keys).
 constexpr int fewest_steps = light_steps / (most_light_keys - 1);
 
 // Number of eye rays along the longer side of the image. Light may change during the exposure, because

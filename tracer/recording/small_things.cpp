@@ -205,8 +205,9 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
 }
 
 /// Divides a long object into straight pieces along its longest axis, and calls take(from, to, half) for each
-/// piece. `from` and `to` are the ends of the piece's axis, and `half` contains its three half axes. A
-/// compact object is a single piece, for which `from` and `to` are equal.
+/// piece. `from` and `to` are the ends of the piece's axis. half[0] is the half axis of the whole object, and
+/// half[1] and half[2] are those of the piece across it. A compact object is a single piece, for which `from`
+/// and `to` are equal.
 template <typename Take>
 void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     const bool tapers = axes.ends.x != axes.ends.y;
@@ -339,9 +340,8 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
     // Limits the memory for the pieces into which narrow objects are divided. Each piece needs at least three
-    // quadtree cells. If the number of pieces exceeds half the number of allowed cells, they therefore need
-    // more cells than allowed, so not all of them can be kept. The number is tested here, and not only at the
-    // end, to keep the list short.
+    // quadtree cells. So if the number of pieces exceeds half the number of allowed cells, not all of them
+    // can be kept.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }

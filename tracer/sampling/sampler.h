@@ -23,17 +23,15 @@ enum class SamplerKind {
     sobol,     ///< Owen-scrambled Sobol points [owen1995, burley2020]
 };
 
-/// Number of a set of random points. Different sets are independent. Each set serves one purpose. The first
-/// three sets are for eye rays: they are the positions in the pixel, the lens points and the instants. The
-/// function `sample_set` makes all other sets.
+/// Identifies an independent set of random points. The first three sets are for eye rays: positions in the
+/// pixel, lens points and instants. The function `sample_set` makes all others.
 struct SampleSet {
     std::uint32_t id;
 };
 inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
 
-/// Returns a set of random points for one purpose, such as area lights. `purpose` is the number of the
-/// purpose. If a purpose needs several sets, `a` and `b` distinguish them. Two different sets have the same
-/// points with a probability of only 2^-32.
+/// Returns a set of random points for one purpose, such as area lights. If a purpose needs several sets, `a`
+/// and `b` distinguish them. Two different sets have the same points with a probability of only 2^-32.
 [[nodiscard]] constexpr SampleSet sample_set(std::uint32_t purpose, std::uint32_t a, std::uint32_t b) {
     const std::uint64_t word = mix64(mix64(static_cast<std::uint64_t>(purpose) << 32 | a) ^ b);
     const std::uint32_t id = high_word(word);

@@ -85,9 +85,8 @@ template <int lanes>
         cells_of_row.value = is_few ? few_cells.value : more_cells.value;
         cells_of_row.inverse = is_few ? few_cells.inverse : more_cells.inverse;
         u[i] = unit_float_24(between(cells_of_row.edge(column), cells_of_row.edge(column + 1), share_u[i]));
-        // All n cells of the unit square have the same area. So a row that is divided into more cells is
-        // higher, in proportion to their number. Therefore, a row with the cells `begin` to end - 1 extends
-        // from begin / n to end / n.
+        // All n cells of the unit square have the same area. So the height of a row is proportional to its
+        // number of cells: a row with the cells `begin` to end - 1 extends from begin / n to end / n.
         v[i] = unit_float_24(between(n.edge(begin), n.edge(end), share_v[i]));
     }
 }

@@ -34,8 +34,7 @@ struct ExtentLit {
 /// Computes the mean radiance that a surface reflects from an area light. First, twelve shadow rays test how
 /// visible the light is: eight rays to its outline and one to each of its quarters. If all of them have the
 /// same transmittance, the result is this transmittance times the mean radiance without shadows. Otherwise,
-/// the light lies partly in shadow. Then it is divided into k x k cells, and one shadow ray is sent to a
-/// random point of each cell.
+/// the light is divided into k x k cells, and one shadow ray is sent to a random point of each cell.
 class LightMeans {
   public:
     static constexpr int most_cells = 16;

@@ -60,7 +60,8 @@ double distance_to(const Object& o, const dvec3& p) {
 
 // Returns an upper bound of the light that any surface receives from the light source `l`. If the light
 // decreases with the distance, the bound is its value at the variable `distance`. This is a lower bound of
-// the distance, m, from the light source to the nearest surface. It is 0 if the light source moves.
+// the distance, m, from the light source to the nearest surface. It is 0 if the light source moves, or if the
+// light is limited even at distance 0.
 dvec3 greatest_irradiance(const Scene& scene, const Light& l) {
     if (l.kind == Light::Kind::directional) return l.intensity;
     double distance = 0;

@@ -30,9 +30,9 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// Summary of some surface hits of a sample, to estimate `w_bend` for a given hit nearby. It covers the
-/// sample's hits that are seen by the same sequence of reflections and refractions as the given hit, at the
-/// same mirrors and glass objects.
+/// Summary of some surface hits of a sample, to estimate `w_bend` for a given hit nearby. It covers the hits
+/// that are seen by the same sequence of reflections and refractions as the given hit, at the same mirrors
+/// and glass objects, and are visible or hidden like it.
 struct Seen {
     float greatest = 0;  ///< greatest `w_bend` of these records, 1/m^2
     bool any = false;    ///< there is such a record

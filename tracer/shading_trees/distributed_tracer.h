@@ -43,7 +43,7 @@ struct EyeRays {
     std::vector<glm::dvec3> left_out;
     /// If this list is not empty, it contains one surface point for each ray. Then the only valid result is
     /// `left_out`. It contains the radiance of this surface point that `less` excludes from the traced
-    /// radiance, but not that of other surface points.
+    /// radiance.
     std::vector<NodeIdentity> left_out_of;
 };
 

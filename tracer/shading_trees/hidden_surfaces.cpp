@@ -163,10 +163,9 @@ class Follower {
 
     [[nodiscard]] bool may_come_to_light(const Chain& c) const {
         if (!by_motion(c)) return false;
-        // The camera's motion causes parallax if surfaces at different depths move differently in the image.
-        // Without parallax, a surface at rest never appears from behind another one at rest. So if the ray
-        // has passed a surface at rest (`still`), only moving objects can still be revealed, and the ray is
-        // continued only if it may hit one.
+        // Without parallax from the camera's motion, a surface at rest never appears from behind another one
+        // at rest. So if the ray has passed a surface at rest (`still`), only moving objects can still be
+        // revealed, and the ray is continued only if it may hit one.
         if (!c.still || wanted_.motion->parallax()) return true;
         const FirstHit& e = eye_[c.ray];
         return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);

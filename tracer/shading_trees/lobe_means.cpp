@@ -123,8 +123,7 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
 }
 
 // Traces `rays` from index `first` on, in batches. A batch has a single limit for the number of surfaces that
-// each ray may still hit, the hits' `nodes_left`. So `rays` must be sorted by `nodes_left`, and each batch
-// contains the rays with the same limit.
+// each ray may still hit, the hits' `nodes_left`. So `rays` must be sorted by `nodes_left`.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;

@@ -103,8 +103,8 @@ class Prober {
         p.lost = false;
     }
     // Returns by how much the next step of Newton's method must change the tangent (direction) of ray p, so
-    // that the ray comes closer to its target. The step uses derivatives to find this change. They are those
-    // of the ray through the lens centre, because the derivatives of p itself are not computed.
+    // that the ray comes closer to its target. The step uses the derivatives of the ray through the lens
+    // centre, because those of p are not computed.
     [[nodiscard]] dvec2 correction(const Probe& p) const {
         const BentNode& n = nodes_[p.node];
         const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;

@@ -137,7 +137,7 @@ struct WhittedTracer::Impl {
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
     // Shades the hidden surface that the ray `first` hits at `h`. It is shaded as if nothing were in front of
     // it, because other lens points or instants see it unobstructed. The surface becomes the root of a new
-    // shading tree, which contains all surfaces seen in it by reflection or refraction.
+    // shading tree.
     void root(const FirstHit& first, const HiddenHit& h, PathRay& ray, Workspace& w, RayCounts& counts) const;
     [[nodiscard]] Node& add_node(const PathRay& ray, Workspace& w) const;
     void miss(const PathRay& ray, Workspace& w) const;
