@@ -27,8 +27,8 @@ struct TraceSettings {
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
     /// The depth of the quadtree of each pixel (`subdivision.levels`) for methods that also trace rays when
-    /// they make the image. The samples of the file may be coarser for these methods, because rays are traced
-    /// where they are too coarse. docs/planner.md compares the times for other values.
+    /// they make the image. They trace rays where the samples of the file are too coarse. docs/planner.md
+    /// compares the times for other values.
     static constexpr int ray_levels = 1;
     /// Largest angle, degrees, by which an object may turn relative to the camera from one recorded instant
     /// to the next. It determines the number of recorded instants if `keys` is absent. With 15 degrees, an
@@ -50,14 +50,12 @@ struct TraceSettings {
     /// the error of linear interpolation between them is about four times as large, i.e. 12 dB. So about half
     /// as many instants suffice.
     static constexpr double ray_light_db = 31;
-    /// Largest width, px, of strips of hidden surfaces that are not recorded. The lens or motion may reveal a
-    /// hidden surface beside the edge of an object. If it reveals only strips of at most this width, the
-    /// surface is not recorded.
+    /// A hidden surface is not recorded if the lens or motion reveals only strips of it, beside the edges of
+    /// objects, that are at most this wide, px.
     double narrow_strip_px = HiddenLayers::invisible_px;
     /// Largest width, px, of strips of hidden surfaces that are not recorded (`narrow_strip_px`), for methods
-    /// that also trace rays when they make the image. The lens or motion reveals such strips beside the edges
-    /// of objects. These methods trace rays up to 1 px beside edges anyway, so records of narrow strips would
-    /// not save rays.
+    /// that also trace rays when they make the image. These methods trace rays up to 1 px beside edges
+    /// anyway, so records of narrow strips would not save rays.
     static constexpr double ray_narrow_strip_px = 2;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
     /// Settings of the tracer. trace_to_file sets `lens_radius_m`, the radius of the lens, from
@@ -121,8 +119,7 @@ void require_trace_memory(const Scene& scene, const TraceSettings& settings,
 TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked, const std::filesystem::path& path);
 
 /// Returns the header of a sample file that records a single instant, `time_s`, which is that of the frame.
-/// (A file may also record several instants of the shutter interval.) `overscan_px` is the width of the
-/// traced border around the frame.
+/// `overscan_px` is the width of the traced border around the frame.
 [[nodiscard]] SampleHeader sample_header(const Scene& scene, const TraceSettings& settings,
                                          const CameraModel& camera, double time_s, int overscan_px);
 

@@ -30,10 +30,9 @@ struct RenderState {
     /// by row. If the samples form two independent halves, each half has its own array. Otherwise, the second
     /// array is empty.
     std::array<std::vector<double>, 2> sums;
-    /// The samples of a pixel are divided into blocks, and a block is added to `sums` only when it is
-    /// complete. These are the sums of radiance times exposure over the samples of the block that is not yet
-    /// complete. They have 3 doubles (RGB) per pixel, and one array for each half of the samples, as in
-    /// `sums`.
+    /// Sums of radiance times exposure over the samples of the block that is not yet complete, because only
+    /// complete blocks are added to `sums`. Their layout is that of `sums`. Empty if blocks have one group of
+    /// samples, or if each block has its own sum.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 
@@ -67,9 +66,9 @@ struct RenderPart {
 [[nodiscard]] std::optional<RenderPart> read_render_part(const std::filesystem::path& path,
                                                          bool facts_only = false);
 
-/// Reads an unfinished render from a file that write_state has written. The samples of a render may form two
-/// independent halves. `state` must already have the render's size and its number of halves, 1 or 2. Throws
-/// Error(invalid_input) if the file is damaged, has other `settings` or is not from write_state.
+/// Reads an unfinished render from a file that write_state has written. `state` must already have the
+/// render's size and its number of halves, 1 or 2. Throws Error(invalid_input) if the file is damaged, has
+/// other `settings` or is not from write_state.
 void read_state(const std::filesystem::path& path, const std::string& settings, RenderState& state);
 
 }  // namespace postlens

@@ -224,10 +224,10 @@ LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverr
                           {std::min(shutter.open_s, recorded_s), std::max(shutter.close_s, recorded_s)}))
         return {1, infinite};
     const LightChange change(scene, camera, overrides, recorded_s, shutter, tracing);
-    // Finds the smallest number of recorded instants (keys) with which the predicted PSNR of the image
-    // reaches `target_db`. Starts with the greatest allowed number of keys, and halves it as long as the PSNR
-    // reaches the target. A search from few keys upwards could end too early, because errors at a few
-    // instants may cancel by chance.
+    // Finds a small number of recorded instants (keys) with which the predicted PSNR of the image reaches
+    // `target_db`. Starts with the greatest allowed number of keys, and halves it as long as the PSNR reaches
+    // the target. A search from few keys upwards could end too early, because errors at a few instants may
+    // cancel by chance.
     LightKeys out{most_light_keys, change.psnr_db(fewest_steps)};
     for (int between = 2 * fewest_steps; out.keys > 1; between *= 2) {
         const bool ends = between > light_steps;

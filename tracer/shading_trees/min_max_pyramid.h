@@ -14,9 +14,7 @@ class MinMaxPyramid {
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
     /// A region in which low values are searched for, around the position `at`. It contains the values at
-    /// distances d up to `radius` that are at most top - max(least, slope * d). So a value near `at` must be
-    /// below `top` by at least `least`. A distant value must be lower: below `top` by `slope` times its
-    /// distance.
+    /// distances d up to `radius` that are at most top - max(least, slope * d).
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
@@ -48,8 +46,8 @@ class MinMaxPyramid {
     /// less than `floor`, returns `floor`. Values at distances up to 9/8 of the radius may also be included,
     /// because only squares of the pyramid are tested, not single values.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
-    /// Returns a value that greatest(at, radius, floor), the greatest value near `at`, certainly does not
-    /// exceed. This upper bound is faster to compute, because only a few squares of the pyramid are read.
+    /// Returns an upper bound of greatest(at, radius, floor). It is faster to compute, because only a few
+    /// squares of the pyramid are read.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;
 
   private:

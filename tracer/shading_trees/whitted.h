@@ -111,9 +111,8 @@ class WhittedTracer {
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
     /// Like `trace`, but computes only the visible surfaces and their radiance without sampling noise. These
-    /// decide whether a quadtree cell is subdivided. Does not find hidden surfaces or average glossy lobes.
-    /// Does not measure `w_bend` either, i.e. how nonlinearly the mirror image of a surface moves when the
-    /// lens point moves.
+    /// decide whether a quadtree cell is subdivided. Does not find hidden surfaces, average glossy lobes or
+    /// measure `w_bend`.
     void trace_steady(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
     /// The image of a surface in a mirror or in glass moves nonlinearly when the lens point moves. Additional
     /// rays measure its deviation from linear motion. To save these rays, the deviation is taken from

@@ -132,8 +132,7 @@ struct WhittedTracer::Impl {
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
     // Finds the hidden surfaces that a lens sees in mirrors or through glass. The records of each such
-    // surface form a new layer of the sample. This layer contains the hidden surface and what is seen in it,
-    // but not another record of the mirror or glass that shows it.
+    // surface form a new layer of the sample. This layer does not repeat the mirror or glass.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
     // Shades the hidden surface that the ray `first` hits at `h`. It is shaded as if nothing were in front of
     // it, because other lens points or instants see it unobstructed. The surface becomes the root of a new
@@ -163,9 +162,9 @@ struct WhittedTracer::Impl {
     // moves linearly are not stored. `s` is null if the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // `w.bent` lists the surface points for which `w_bend` must be found, i.e. how nonlinearly their images
-    // move when the lens point moves. For some of these points, this function estimates `w_bend` from earlier
-    // samples nearby, and removes the points from the list. So fewer rays are needed to measure the rest.
+    // `w.bent` lists the surface points for which `w_bend` must be found. For some of these points, this
+    // function estimates it from earlier samples nearby, and removes the points from the list. This saves the
+    // rays that measure it.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
     // Converts the surface hits to records in `out`. The hits are ordered by number of bounces. The records
     // are ordered by sample, then by layer (the visible or a hidden surface that the sample's ray hits), and
