@@ -28,7 +28,7 @@ constexpr int first_views = 16;
 /// the 95 % confidence interval of this error. The number of views may then grow at most by a constant
 /// factor: `most_narrowing` if rays into the scene measure the error of the recorded colours, or
 /// `most_narrowing_of_noise` if there are no rays and only the noise is measured.
-constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
+constexpr double most_narrowing = 8, most_narrowing_of_noise = 2;
 
 /// Returns the total number of samples that an image needs: the number of pixels in all its views (images
 /// from different lens points) together. `views` contains the number of views of each tile of `grid`.
