@@ -51,7 +51,8 @@ struct AutoResult {
 /// views per tile. Then it doubles the views where this reduces the error most for its cost.
 ///
 /// The target is met when the upper end of the 95 % interval of the error is below it. If the interval is
-/// wider than wanted_interval_db, up to four times as many views are drawn.
+/// wider than wanted_interval_db, up to eight times as many views are drawn (twice as many without
+/// a scene).
 ///
 /// With a scene, rays replace view samples that the records do not determine, and measure the error of the
 /// others.
