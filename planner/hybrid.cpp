@@ -90,15 +90,15 @@ constexpr double fine_mse = 1e-5;
 
 /// The light of highlights (small or blurred bright surfaces) is spread over the image by the lens's point
 /// spread function, which may put some of it in wrong pixels. Returns 1 for the tiles in which this error is
-/// larger than its standard deviation and than the noise that traced highlights would have. In these tiles,
-/// rays should trace the highlights instead.
+/// larger than twice its standard deviation and than the noise that traced highlights would have. In these
+/// tiles, rays should trace the highlights instead.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
     const std::vector<double> noise =
         highlights_noise(views.half(0), views.half(1), views.grid(), views.views());
     std::vector<std::uint8_t> out;
     for (std::size_t t = 0; t < noise.size(); ++t) {
         const TileError& tile = measured.tiles[t];
-        out.push_back(tile.highlights_mse > std::max(tile.highlights_deviation, noise[t]) ? 1 : 0);
+        out.push_back(tile.highlights_mse > std::max(2 * tile.highlights_deviation, noise[t]) ? 1 : 0);
     }
     return out;
 }
