@@ -130,9 +130,9 @@ std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& fie
 /// images show the error.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
-    // All sets of lens points together must have at least this many points, because fewer points would make
-    // the estimated error unreliable.
-    constexpr int least_views = 64;  // of all sets together
+    // All sets of lens points together have about this many points, because fewer points would make the
+    // estimated error unreliable.
+    constexpr int least_views = 64;
     const int views = s.views;
     s.views = std::max(1, views / 2);
     const int sets = std::max(2, least_views / s.views);

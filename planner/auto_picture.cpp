@@ -24,10 +24,11 @@ namespace {
 /// 8 views, whose difference shows the noise.
 constexpr int first_views = 16;
 
-/// Once the image meets its target error, more views (images from different lens points) are drawn, to narrow
-/// the 95 % confidence interval of this error. The number of views may then grow at most by a constant
-/// factor: `most_narrowing` if rays into the scene measure the error of the recorded colours, or
-/// `most_narrowing_of_noise` if there are no rays and only the noise is measured.
+/// Once the image meets its target error, the 95 % confidence interval of this error may still be wider than
+/// wanted_interval_db. More views (images from different lens points) are then drawn to narrow it. The number
+/// of views may then grow at most by a constant factor: `most_narrowing` if rays into the scene measure the
+/// error of the recorded colours, or `most_narrowing_of_noise` if there are no rays and only the noise is
+/// measured.
 constexpr double most_narrowing = 8, most_narrowing_of_noise = 2;
 
 /// Returns the total number of samples that an image needs: the number of pixels in all its views (images
@@ -86,7 +87,8 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
 
 /// The light of highlights (small or blurred bright surfaces) is spread over the image by the lens's point
 /// spread function, which causes some error. Returns 1 for the tiles in which rays should trace the
-/// highlights instead: this error is large there, and traced highlights would not have much noise.
+/// highlights instead: this error is large there, and traced highlights would not have much noise. One
+/// standard deviation suffices here, because only tiles that matter for the target error are chosen.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -103,7 +105,8 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
 
 /// Returns an increased number of views (images from different lens points) for each tile, to narrow the 95 %
 /// confidence interval of the measured error. More views reduce the variance of this error. So the views are
-/// doubled in the tiles where this narrows the interval most, until it is narrow enough.
+/// doubled in the tiles where this narrows the interval most, until it is narrow enough, or until all views
+/// together have `most_samples` pixels.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const TileGrid& grid, const StatedError& error, double most_samples) {
     const double pixels = static_cast<double>(grid.width) * grid.height;

@@ -50,9 +50,9 @@ struct AutoResult {
 /// Makes a light field image with as many views in each tile as the target error needs. It starts with a few
 /// views per tile. Then it doubles the views where this reduces the error most for its cost.
 ///
-/// The target is met when the upper end of the 95 % interval of the error is below it. If the interval is
-/// wider than wanted_interval_db, up to eight times as many views are drawn (twice as many without
-/// a scene).
+/// Views are added until the upper end of the 95 % interval of the error is below the target. If the interval
+/// is then wider than wanted_interval_db, up to eight times as many views are drawn (without a scene, twice
+/// as many).
 ///
 /// With a scene, rays replace view samples that the records do not determine, and measure the error of the
 /// others.

@@ -7,7 +7,7 @@
 
 #include "core/multiversion.h"
 
-#ifdef POSTLENS_VERSION
+#ifdef POSTLENS_FOR_INSTRUCTION_SET
 #include <immintrin.h>
 #endif
 
@@ -136,7 +136,7 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
 
 /// Draws some of the samples in `lane`, one by one: sample n is drawn if bit n of `found` is set. The colour
 /// of each sample is looked up in the quadtree of the patch's pixel. Where the quadtree has no surface,
-/// nothing is drawn.
+/// nothing is drawn. Where it may have one (SheetNode::maybe), only `seen.maybe` is raised.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));
@@ -183,11 +183,12 @@ POSTLENS_PART void draw_runs(const Run& run, const Where& where, const Seen& see
     }
 }
 
-#ifdef POSTLENS_VERSION
-POSTLENS_VERSION("default") void draw_rows(const Run& run, const Where& where, const Seen& seen) {
+#ifdef POSTLENS_FOR_INSTRUCTION_SET
+POSTLENS_FOR_INSTRUCTION_SET("default") void draw_rows(const Run& run, const Where& where, const Seen& seen) {
     draw_runs(run, where, seen);
 }
-POSTLENS_VERSION("arch=x86-64-v3") void draw_rows(const Run& run, const Where& where, const Seen& seen) {
+POSTLENS_FOR_INSTRUCTION_SET("arch=x86-64-v3")
+void draw_rows(const Run& run, const Where& where, const Seen& seen) {
     draw_runs(run, where, seen);
 }
 
@@ -197,7 +198,7 @@ POSTLENS_VERSION("arch=x86-64-v3") void draw_rows(const Run& run, const Where& w
 /// find_samples stored `lane`. Otherwise, one wide load would depend on two narrow stores, and the processor
 /// would wait for them.
 template <int lanes>
-POSTLENS_VERSION("arch=x86-64-v4")
+POSTLENS_FOR_INSTRUCTION_SET("arch=x86-64-v4")
 POSTLENS_PART std::uint32_t
     draw_undivided(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     // Signed, only leaves are less than SheetNode::maybe.
@@ -228,7 +229,7 @@ POSTLENS_PART std::uint32_t
 }
 
 template <int lanes>
-POSTLENS_VERSION("arch=x86-64-v4")
+POSTLENS_FOR_INSTRUCTION_SET("arch=x86-64-v4")
 POSTLENS_PART void draw_run_together(const Run& run, const Where& where, const Seen& seen) {
     Lanes lane;  // NOLINT(cppcoreguidelines-pro-type-member-init): find_samples fills it
     for (int j = run.j0; j <= run.j1; ++j) {
@@ -243,7 +244,8 @@ POSTLENS_PART void draw_run_together(const Run& run, const Where& where, const S
     }
 }
 
-POSTLENS_VERSION("arch=x86-64-v4") void draw_rows(const Run& run, const Where& where, const Seen& seen) {
+POSTLENS_FOR_INSTRUCTION_SET("arch=x86-64-v4")
+void draw_rows(const Run& run, const Where& where, const Seen& seen) {
     if (run.count <= few_lanes) {
         draw_run_together<few_lanes>(run, where, seen);
     } else {

@@ -5,7 +5,7 @@
 
 #include "core/multiversion.h"
 
-#ifdef POSTLENS_VERSION
+#ifdef POSTLENS_FOR_INSTRUCTION_SET
 #include <bit>
 #include <immintrin.h>
 #endif
@@ -40,13 +40,18 @@ void find_one_by_one(std::span<const Texel> texels, const SeenTile& seen, int wi
     found.count = count;
 }
 
-#ifdef POSTLENS_VERSION
-POSTLENS_VERSION("default")
+#ifdef POSTLENS_FOR_INSTRUCTION_SET
+POSTLENS_FOR_INSTRUCTION_SET("default")
 void find_doubtful(std::span<const Texel> texels, const SeenTile& seen, int width, int height,
                    std::uint32_t doubts, PixelList& found) {
     find_one_by_one(texels, seen, width, height, doubts, found);
 }
-POSTLENS_VERSION("arch=x86-64-v4")
+POSTLENS_FOR_INSTRUCTION_SET("arch=x86-64-v3")
+void find_doubtful(std::span<const Texel> texels, const SeenTile& seen, int width, int height,
+                   std::uint32_t doubts, PixelList& found) {
+    find_one_by_one(texels, seen, width, height, doubts, found);
+}
+POSTLENS_FOR_INSTRUCTION_SET("arch=x86-64-v4")
 void find_doubtful(std::span<const Texel> texels, const SeenTile& seen, int width, int height,
                    std::uint32_t doubts, PixelList& found) {
     // A gather has indices of 31 bits, here 2 * texel, in units of 8 bytes (half a Texel).
@@ -116,7 +121,7 @@ POSTLENS_MULTIVERSION void add_seen_light(std::span<const Texel> texels, const S
 
 void find_doubtful_pixels(std::span<const Texel> texels, const SeenTile& seen, int width, int height,
                           std::uint32_t doubts, PixelList& found) {
-#ifdef POSTLENS_VERSION
+#ifdef POSTLENS_FOR_INSTRUCTION_SET
     find_doubtful(texels, seen, width, height, doubts, found);
 #else
     find_one_by_one(texels, seen, width, height, doubts, found);

@@ -1,5 +1,6 @@
-// Sums the radiance of directly visible surfaces over all views, for each pixel of a tile (square of the
-// image). A view is the image for one lens point and instant.
+// For each pixel of a tile (square of the image): sums the radiance of directly visible surfaces over all
+// views, and finds the pixels whose colour in a view is not certain. A view is the image for one lens point
+// and instant.
 #pragma once
 
 #include <array>

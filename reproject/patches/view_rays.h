@@ -97,8 +97,9 @@ class RaySamples {
 
     /// Schedules a ray for each pixel in which the directly visible surface is uncertain, for example because
     /// an edge crosses it. If objects move, also schedules a ray for each pixel that shows a mirror or glass,
-    /// because a reflection moves differently from its mirror. The scheduled rays replace the recorded
-    /// colours of these pixels.
+    /// because a reflection moves differently from its mirror. With `parents_too`, mirrors and glass get rays
+    /// in any case, and if rays replace the whole tile, all pixels get one. The scheduled rays replace the
+    /// recorded colours of these pixels.
     void set_aside(const ShownView& shown, LightSums& recorded);
     /// Schedules a ray for each pixel that shows a mirror or glass whose reflections or refractions are
     /// missing or inaccurate. The ray replaces the recorded colour. `trees` holds the reflections and

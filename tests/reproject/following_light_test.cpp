@@ -5,7 +5,7 @@
 #include <random>
 
 #include "reproject/patch_field.h"
-#include "reproject/patches/seen_light.h"
+#include "reproject/patches/patch_raster.h"
 #include "reproject/sheets/sample_surfaces.h"
 #include "tests/support/random_records.h"
 #include "tests/support/temporary_folder.h"

@@ -1,6 +1,7 @@
 // Kernels over the pixels of a view give what plain loops give.
 #include "reproject/patches/seen_light.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <limits>
 #include <memory>

@@ -13,7 +13,7 @@
 namespace postlens {
 
 /// Largest number of blocks into which the samples of a pixel are divided. If several runs share a render,
-/// each run renders whole blocks. Therefore, this is also the largest N in the option `--share I/N`.
+/// each run renders whole blocks. Therefore, N in `--share I/N --share-by samples` is not larger.
 inline constexpr int most_sample_blocks = 64;
 
 /// An unfinished render: the sums of radiance and the numbers of samples of all pixels. The samples of a
