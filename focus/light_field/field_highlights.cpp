@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "focus/light_field/merged_highlights.h"
+#include "focus/light_field/sharp_kernel.h"
 #include "focus/responses/depth_levels.h"
 #include "reproject/patches/patches.h"
 
@@ -84,13 +85,11 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     KernelNumberCache cache(*kernels_);
     for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
         MergedHighlights merged(geometry);
-        std::vector<float> sheet_area_px2(mesh->sheets.size(), 0);
-        for (const Highlight& h : mesh->highlights) sheet_area_px2[h.sheet] += h.area;
         std::map<std::uint32_t, int> moments;  // instants needed, per moving sheet
         for (const Highlight& h : mesh->highlights) {
             const SheetKey& key = mesh->sheets[h.sheet].key;
             if (motion == nullptr || !motion->moves(key)) {
-                merged.add(h, sheet_area_px2[h.sheet]);
+                merged.add(h);
                 continue;
             }
             const auto [known, is_first] = moments.try_emplace(h.sheet, 0);
@@ -111,14 +110,14 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
             }
             const auto found = moments.find(of.light.sheet);
             if (found == moments.end()) {
-                add_source({of.light, -1, 1}, of.parts.size(), *mesh, cache);
+                add_source({of.light, -1, 1}, of.parts.size(), *mesh, cache, limits);
                 continue;
             }
             const SheetKey& key = mesh->sheets[of.light.sheet].key;
             const int count = std::min(most, found->second);
             for (const HighlightMotion::Moment& m :
                  motion->moments(of.light, key, count, count < found->second))
-                add_source(m, of.parts.size(), *mesh, cache);
+                add_source(m, of.parts.size(), *mesh, cache, limits);
         }
     }
     kernels_->build();
@@ -129,7 +128,7 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     narrow_.resize(static_cast<std::size_t>(tile_columns_) * wide_.size());
     for (std::uint32_t i = 0; i < sources_.size(); ++i) {
         const Source& s = sources_[i];
-        const Kernel& k = (*kernels_)[s.kernel];
+        const Kernel& k = kernel_of(s);
         if (k.rows.empty()) continue;
         const int around = s.u >= 0 && s.by_all ? passing_px : 0;
         const Reach reach{{s.x + k.x_begin - around, s.x + k.x_end + around, s.y + k.y_begin - around,
@@ -149,7 +148,7 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
 }
 
 void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
-                                 KernelNumberCache& cache) {
+                                 KernelNumberCache& cache, KernelReach limits) {
     const Highlight& h = m.light;
     Source s;
     s.u = m.u;
@@ -172,14 +171,21 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
     const glm::dvec2 middle = s.at + inclination_shift_px(h, geometry_);
+    if (s.u < 0 && patch_lens(geometry_).least_blur_px(h.w) < sharp_below_px) {
+        const glm::dvec2 whole = glm::floor(middle);
+        s.x = static_cast<int>(whole.x);
+        s.y = static_cast<int>(whole.y);
+        s.is_sharp = true;
+        s.kernel = static_cast<std::uint32_t>(sharp_kernels_.size());
+        sharp_kernels_.push_back(
+            sharp_kernel(std::span(parts_).last(parts), middle - whole, map, *model_, limits));
+        sources_.push_back(s);
+        return;
+    }
     // A sharp moving highlight may extend over several pixels, but one kernel would put all of its light into
     // one pixel. Therefore, the highlight is divided at the borders of pixels, and each part has its own
     // kernel. `side` is the highlight's width, in px; 0 means that it is not divided.
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
-    // True for a static highlight (`u` is then negative) whose blur lies within one pixel. The position of
-    // its kernel is rounded to a fraction of a pixel. Without this, rounding could move the kernel to the
-    // pixel's border, and so a part of its light into the next pixel.
-    const bool stays_in_pixel = s.u < 0 && is_point(h, geometry_);
     for (const Span& y : divided_at_cells(middle.y, side, 1)) {
         for (const Span& x : divided_at_cells(middle.x, side, 1)) {
             Source part = s;
@@ -187,9 +193,8 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
             part.at += at - middle;
             part.x = static_cast<int>(whole.x);
             part.y = static_cast<int>(whole.y);
-            const auto phase = [stays_in_pixel](double in_pixel) {
-                const auto steps = static_cast<std::int32_t>(std::lround(in_pixel * KernelKey::phase_steps));
-                return stays_in_pixel ? std::clamp(steps, 1, KernelKey::phase_steps - 1) : steps;
+            const auto phase = [](double in_pixel) {
+                return static_cast<std::int32_t>(std::lround(in_pixel * KernelKey::phase_steps));
             };
             key.phase_x = phase(at.x - whole.x);
             key.phase_y = phase(at.y - whole.y);
@@ -213,7 +218,7 @@ void FieldHighlights::group_sources() {
         const auto [found, is_new] =
             known.try_emplace({s.key.path.bits() == 0, s.sheet, cell(s.at.x), cell(s.at.y), s.by_all},
                               static_cast<std::uint32_t>(groups_.size()));
-        const Kernel& k = (*kernels_)[s.kernel];
+        const Kernel& k = kernel_of(s);
         s.group = found->second;
         const double light = s.light;
         if (is_new) {

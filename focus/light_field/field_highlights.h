@@ -64,9 +64,10 @@ class FieldHighlights {
   private:
     class OverViews;
     struct Source {
-        int x = 0, y = 0;  ///< anchor of the kernel, image px
-        std::uint32_t kernel = 0;
-        glm::dvec2 at{0};  ///< position, image px
+        int x = 0, y = 0;          ///< anchor of the kernel, image px
+        std::uint32_t kernel = 0;  ///< index into kernels_, or into sharp_kernels_
+        bool is_sharp = false;     ///< whether the kernel is in sharp_kernels_
+        glm::dvec2 at{0};          ///< position, image px
         std::array<float, 3> rgb{};
         double light = 0;     ///< sum of rgb
         double area = 0;      ///< px^2
@@ -100,11 +101,14 @@ class FieldHighlights {
     void group_sources();
     [[nodiscard]] glm::dvec2 point_of(const Source& s, double choice, const glm::dvec2& place) const;
     void add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
-                    KernelNumberCache& cache);
+                    KernelNumberCache& cache, KernelReach limits);
     struct Part {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< image px
         std::array<float, SeenTile::pixels> share{};
     };
+    [[nodiscard]] const Kernel& kernel_of(const Source& s) const {
+        return s.is_sharp ? sharp_kernels_[s.kernel] : (*kernels_)[s.kernel];
+    }
     [[nodiscard]] double response(const Source& s, int x, int y) const;
     [[nodiscard]] bool passes_near(const Source& s, int x, int y) const;
     [[nodiscard]] bool reach(int x, int y, int width, int height) const;
@@ -116,7 +120,8 @@ class FieldHighlights {
     bool round_;
     std::unique_ptr<ResponseModel> model_;
     std::unique_ptr<KernelTable> kernels_;
-    std::vector<Source> sources_;  ///< sorted by group
+    std::vector<Kernel> sharp_kernels_;  ///< of almost sharp, static light sources, one for each
+    std::vector<Source> sources_;        ///< sorted by group
     std::vector<SourcePart> parts_;
     std::vector<Group> groups_;
     /// A light source, merged from neighbouring highlights, and the image pixels that its blur may reach.

@@ -68,7 +68,7 @@ class Randoms {
 }  // namespace
 
 double FieldHighlights::response(const Source& s, int x, int y) const {
-    const Kernel& kernel = (*kernels_)[s.kernel];
+    const Kernel& kernel = kernel_of(s);
     if (y < s.y + kernel.y_begin || y >= s.y + kernel.y_end()) return 0;
     const KernelRow& row = kernel.rows[static_cast<std::size_t>(y - s.y - kernel.y_begin)];
     const int column = x - s.x;
@@ -85,7 +85,7 @@ glm::dvec2 FieldHighlights::point_of(const Source& s, double choice, const glm::
 
 bool FieldHighlights::passes_near(const Source& s, int x, int y) const {
     if (s.u < 0 || !s.by_all) return false;
-    const Kernel& k = (*kernels_)[s.kernel];
+    const Kernel& k = kernel_of(s);
     return x >= s.x + k.x_begin - passing_px && x < s.x + k.x_end + passing_px &&
            y >= s.y + k.y_begin - passing_px && y < s.y + k.y_end() + passing_px;
 }

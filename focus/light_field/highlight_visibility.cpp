@@ -365,7 +365,7 @@ void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>
 
 void FieldHighlights::OverViews::add(const Source& s, const Part* part, const TileViews& views,
                                      SharesBeside& beside, std::vector<double>& light) const {
-    const Kernel& kernel = (*of_.kernels_)[s.kernel];
+    const Kernel& kernel = of_.kernel_of(s);
     const int y0 = std::max(views.y, s.y + kernel.y_begin),
               y1 = std::min(views.y + views.height, s.y + kernel.y_end());
     for (int y = y0; y < y1; ++y) {

@@ -142,7 +142,7 @@ LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const Pa
         return taken.contains(surface_seen(path, parent_id, id, at, moves));
     };
     if (!moves) {
-        for (SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) measure_edges(*mesh, rays, less);
+        for (SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) measure_edges(*mesh, rays, less, lens);
     }
     return less;
 }

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -19,17 +20,23 @@
 namespace postlens {
 namespace {
 
-/// If the edge of a highlight crosses a pixel, edge_rays x edge_rays rays measure which area of the pixel the
-/// highlight covers. The standard deviation of this area is about 0.007 px^2.
-constexpr std::size_t edge_rays = 16;
-/// Highlights with an area below small_light_px2, in px^2, are measured with more rays: up to finest_rays x
-/// finest_rays per pixel. With this number, the error of the measured area is at most 1 %.
-constexpr float small_light_px2 = 1;
-constexpr std::size_t finest_rays = 64;
 /// Traced rays search a pixel, or a rectangle in it, for the light of a highlight. This area is divided into
-/// edge_squares x edge_squares squares. All rays that hit the light in one square are combined into one small
-/// highlight.
-constexpr int edge_squares = 8;
+/// edge_squares x edge_squares squares, and each square is searched by square_rays x square_rays rays. The
+/// standard deviation of the lit area found is about pixel_error, as a fraction of the searched area.
+constexpr int edge_squares = 8, square_rays = 2;
+constexpr double pixel_error = 0.007;
+/// Where this is too inaccurate, squares at the edge of the light are divided again, with square_rays x
+/// square_rays rays in each new square. Into how many squares each is divided, along each axis, depends on
+/// the highlight. The brightness of the whole blur of a small highlight depends on its area, so its edge is
+/// measured most precisely.
+constexpr int divided_at_edge = 4, divided_if_small = 6;
+/// Highlights with an area below this are small, in px^2.
+constexpr float small_light_px2 = 1;
+/// Number of rays with which an area is searched if its squares are not divided again. Otherwise, about
+/// rays_per_division * n^2 rays are added, if each square at the edge is divided into n x n.
+constexpr std::size_t coarse_rays = 256, rays_per_division = 100;
+/// Largest error of a pixel's radiance that the search may cause without a second division.
+constexpr double tolerated_radiance = 0.01;
 /// Limits the time for measuring the edges of highlights with traced rays. If the edges cross too many
 /// pixels, they are not measured at all. Too many means more than the fraction most_measured_share of all
 /// pixels, and also more than least_measured pixels.
@@ -49,7 +56,7 @@ Pixel pixel_of(const Highlight& light) {
 struct EdgeArea {
     Pixel pixel;
     Pixel recorded = pixel;  ///< a pixel with a record of the light in it or in one of its eight neighbours
-    bool is_small = false;   ///< whether the light is small (small_light_px2)
+    int divided = 1;         ///< into how many squares those at the light's edge are divided, along each axis
     glm::dvec2 begin{0}, end{1};
 };
 
@@ -71,14 +78,14 @@ struct BrightSurface {
     /// Returns the pixels at the edge of this bright surface in which traced rays measure the bright area
     /// more precisely than the samples in the file do. `less` states which bright light is added to the image
     /// as highlights. Pixels with other light are left out.
-    [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
+    [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less, const PatchLens& lens) const;
     /// Returns the rectangle within a pixel in which a highlight may lie. The rectangle surrounds the
     /// highlights that the sample file contains in this pixel and its eight neighbours, with a margin.
     [[nodiscard]] EdgeArea near_records(const Pixel& pixel) const;
-    /// Finds the bright light of this surface within `area`, a rectangle in a pixel. Traces `across` x
-    /// `across` rays through the rectangle, and divides it into small squares. The result contains one small
-    /// highlight for each square in which a ray hits bright light of this surface.
-    [[nodiscard]] Measured measured(const EdgeArea& area, std::size_t across, const SightRays& rays,
+    /// Finds the bright light of this surface within `area`, a rectangle in a pixel, by traced rays. The
+    /// result contains one small highlight for each square of the rectangle in which rays hit bright light of
+    /// this surface. If `refine` is true, squares at the edge of the light are divided again.
+    [[nodiscard]] Measured measured(const EdgeArea& area, bool refine, const SightRays& rays,
                                     const LightElsewhere& less) const;
     [[nodiscard]] const Highlight& nearest(const Pixel& pixel, float x, float y) const;
 };
@@ -92,8 +99,11 @@ std::span<const Highlight> BrightSurface::at(const Pixel& pixel) const {
 }
 
 EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
-    EdgeArea out{
-        .pixel = pixel, .recorded = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
+    EdgeArea out{.pixel = pixel,
+                 .recorded = pixel,
+                 .divided = divided_if_small,
+                 .begin = glm::dvec2(1),
+                 .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
             // The highlight may extend from its sample almost to the next sample, which is `margin` px away.
@@ -109,7 +119,7 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
     return out;
 }
 
-std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
+std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less, const PatchLens& lens) const {
     Pixel first = pixel_of(lights.front()), last = first;
     for (const Highlight& light : lights) {
         const Pixel pixel = pixel_of(light);
@@ -123,6 +133,8 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
         float area = 0;          ///< px^2
         bool is_hidden = false;  ///< whether a nearer surface hides a part
         bool is_fine = false;    ///< whether the records are closer together than the rays
+        /// Largest error of a pixel's radiance that the search without a second division may cause here.
+        double radiance_error = 0;
     };
     std::vector<Covered> covered(width * height);
     for (const Highlight& light : lights) {
@@ -131,19 +143,25 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
                               static_cast<std::size_t>(pixel.second - origin.second)];
         at.area += light.area;
         at.is_hidden = at.is_hidden || light.hides != Hides::nothing;
-        at.is_fine = at.is_fine || light.area < 1.0F / (edge_rays * edge_rays);
+        at.is_fine = at.is_fine || light.area < 1.0F / coarse_rays;
+        const double blur_px = lens.least_blur_px(light.w);
+        const auto radiance =
+            static_cast<double>(std::max({light.rgb[0], light.rgb[1], light.rgb[2]}) / light.area);
+        at.radiance_error =
+            std::max(at.radiance_error, pixel_error * radiance / (1 + std::numbers::pi * blur_px * blur_px));
     }
     std::vector<EdgeArea> out;
     for (std::size_t y = 1; y + 1 < height; ++y) {
         for (std::size_t x = 1; x + 1 < width; ++x) {
             if (covered[y * width + x].area > filled) continue;
-            bool any = false, is_hidden = false, is_fine = false;
+            bool any = false, is_hidden = false, is_fine = false, is_bright = false;
             for (std::size_t row = y - 1; row <= y + 1; ++row) {
                 for (std::size_t column = x - 1; column <= x + 1; ++column) {
                     const Covered& of = covered[row * width + column];
                     any = any || of.area > 0;
                     is_hidden = is_hidden || of.is_hidden;
                     is_fine = is_fine || of.is_fine;
+                    is_bright = is_bright || of.radiance_error > tolerated_radiance;
                 }
             }
             const Pixel pixel{origin.first + static_cast<int>(y), origin.second + static_cast<int>(x)};
@@ -160,8 +178,9 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
             if (nearby < small_light_px2) {
                 const EdgeArea area = near_records(pixel);
                 if (area.begin.x < area.end.x && area.begin.y < area.end.y) out.push_back(area);
-            } else if (!is_fine && node.path.bits() == 0) {
-                out.push_back({pixel, pixel});
+            } else if ((is_bright || !is_fine) && node.path.bits() == 0) {
+                out.push_back(
+                    {.pixel = pixel, .recorded = pixel, .divided = is_bright ? divided_at_edge : 1});
             }
         }
     }
@@ -212,62 +231,117 @@ void measure_slopes(std::span<Highlight> lights, const NodeIdentity& node, const
     });
 }
 
-Measured BrightSurface::measured(const EdgeArea& area, std::size_t across, const SightRays& rays,
+/// A square within an area that rays search for light, and the light that they find.
+struct Square {
+    glm::dvec2 begin{0};  ///< upper left corner, px from the pixel's upper left corner
+    std::array<float, 3> rgb{};
+    glm::dvec2 at{0};  ///< sum of the positions of the rays that find light
+    int found = 0;     ///< number of these rays
+};
+
+Measured BrightSurface::measured(const EdgeArea& area, bool refine, const SightRays& rays,
                                  const LightElsewhere& less) const {
     const Pixel& pixel = area.pixel;
-    const auto columns = static_cast<std::uint32_t>(across);
-    const std::uint32_t count = columns * columns, per_square = columns / edge_squares;
-    const glm::dvec2 size = area.end - area.begin;
-    const auto px2_per_ray = static_cast<float>(size.x * size.y / count);
-    std::vector<SightLine> lines(count);
-    const std::vector<NodeIdentity> nodes(count, node);
-    std::vector<std::array<float, 3>> radiance(count);
-    const std::uint64_t seed = mix64((std::uint64_t{static_cast<std::uint32_t>(pixel.first)} << 32U) |
-                                     static_cast<std::uint32_t>(pixel.second));
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const auto within = [&](std::uint32_t square, std::uint32_t counter) {
-            return (square + static_cast<double>(unit_float(random_word(seed, counter)))) / columns;
-        };
-        lines[i] = {.x = pixel.second,
-                    .y = pixel.first,
-                    .place = area.begin +
-                             size * glm::dvec2(within(i % columns, 2 * i), within(i / columns, 2 * i + 1)),
-                    .view = i};
-    }
-    rays.trace_elsewhere(lines, nodes, less, radiance);
-    struct Sum {
-        std::array<float, 3> rgb{};
-        glm::dvec2 at{0};
-        int rays = 0;
-        SightLine one;  ///< the last of the rays
+    refine = refine && area.divided > 1;
+    constexpr int per_square = square_rays * square_rays;
+    const glm::dvec2 size = (area.end - area.begin) / static_cast<double>(edge_squares);
+    std::uint64_t seed = mix64((std::uint64_t{static_cast<std::uint32_t>(pixel.first)} << 32U) |
+                               static_cast<std::uint32_t>(pixel.second));
+    std::vector<SightLine> lines;
+    std::vector<NodeIdentity> nodes;
+    std::vector<std::array<float, 3>> radiance;
+    const auto search = [&](std::vector<Square>& squares, const glm::dvec2& square_px) {
+        lines.clear();
+        for (const Square& square : squares) {
+            for (int i = 0; i < per_square; ++i) {
+                const auto k = static_cast<std::uint32_t>(lines.size());
+                const auto within = [&](int step, std::uint32_t counter) {
+                    return (step + static_cast<double>(unit_float(random_word(seed, counter)))) / square_rays;
+                };
+                lines.push_back(
+                    {.x = pixel.second,
+                     .y = pixel.first,
+                     .place = square.begin + square_px * glm::dvec2(within(i % square_rays, 2 * k),
+                                                                    within(i / square_rays, 2 * k + 1)),
+                     .view = k});
+            }
+        }
+        nodes.assign(lines.size(), node);
+        radiance.assign(lines.size(), {});
+        rays.trace_elsewhere(lines, nodes, less, radiance);
+        for (std::size_t k = 0; k < lines.size(); ++k) {
+            if (radiance[k] == std::array<float, 3>{}) continue;
+            Square& square = squares[k / per_square];
+            for (std::size_t c = 0; c < 3; ++c) square.rgb[c] += radiance[k][c];
+            square.at += lines[k].place;
+            ++square.found;
+        }
+        seed = mix64(seed + 1);
     };
-    std::array<Sum, std::size_t{edge_squares} * edge_squares> sums;
-    Measured out{.area = area, .lights = {}};
-    for (std::uint32_t i = 0; i < count; ++i) {
-        if (radiance[i] == std::array<float, 3>{}) continue;
-        const glm::uvec2 at(i % columns, i / columns);
-        out.low = out.low || glm::equal(at, glm::uvec2(0));
-        out.high = out.high || glm::equal(at, glm::uvec2(columns - 1));
-        Sum& sum = sums[i / columns / per_square * edge_squares + i % columns / per_square];
-        for (std::size_t c = 0; c < 3; ++c) sum.rgb[c] += radiance[i][c];
-        sum.at += lines[i].place;
-        ++sum.rays;
-        sum.one = lines[i];
+    // If squares are to be divided again, a ring of squares around the area is searched as well, because the
+    // edge of the light may lie just inside the area's border.
+    const int ring = refine ? 1 : 0, across = edge_squares + 2 * ring;
+    std::vector<Square> squares;
+    for (int y = -ring; y < edge_squares + ring; ++y) {
+        for (int x = -ring; x < edge_squares + ring; ++x)
+            squares.push_back({.begin = area.begin + size * glm::dvec2(x, y)});
     }
-    lines.clear();
-    for (const Sum& sum : sums) {
-        if (sum.rays == 0) continue;
-        const auto x = static_cast<float>(pixel.second + sum.at.x / sum.rays),
-                   y = static_cast<float>(pixel.first + sum.at.y / sum.rays);
+    search(squares, size);
+    Measured out{.area = area, .lights = {}};
+    std::vector<SightLine> through;
+    const auto add = [&](const Square& square, const glm::dvec2& square_px) {
+        if (square.found == 0) return;
+        // The light of a square is described by a smaller square around the mean of the hits. It must not
+        // extend beyond the square, or light would leave the pixel.
+        const double share = static_cast<double>(square.found) / per_square;
+        const glm::dvec2 half = square_px * (std::sqrt(share) / 2),
+                         at = glm::clamp(square.at / static_cast<double>(square.found), square.begin + half,
+                                         square.begin + square_px - half);
+        const auto x = static_cast<float>(pixel.second + at.x), y = static_cast<float>(pixel.first + at.y);
         Highlight light = nearest(area.recorded, x, y);
         light.x = x;
         light.y = y;
-        light.area = static_cast<float>(sum.rays) * px2_per_ray;
-        for (std::size_t c = 0; c < 3; ++c) light.rgb[c] = sum.rgb[c] * px2_per_ray;
+        const double px2_per_ray = square_px.x * square_px.y / per_square;
+        light.area = static_cast<float>(square.found * px2_per_ray);
+        for (std::size_t c = 0; c < 3; ++c) light.rgb[c] = square.rgb[c] * static_cast<float>(px2_per_ray);
         out.lights.push_back(light);
-        lines.push_back(sum.one);
+        through.push_back(line_through({x, y}));
+    };
+    const auto found_at = [&](int x, int y) {
+        return squares[static_cast<std::size_t>(y * across + x)].found;
+    };
+    std::vector<Square> divided;
+    for (int y = 0; y < across; ++y) {
+        for (int x = 0; x < across; ++x) {
+            const bool is_left = x < ring, is_right = x >= edge_squares + ring, is_top = y < ring,
+                       is_bottom = y >= edge_squares + ring;
+            const Square& square = squares[static_cast<std::size_t>(y * across + x)];
+            if (square.found > 0) {
+                out.low = out.low || glm::bvec2(x <= ring, y <= ring);
+                out.high = out.high || glm::bvec2(is_right || x + 1 == edge_squares + ring,
+                                                  is_bottom || y + 1 == edge_squares + ring);
+            }
+            if (is_left || is_right || is_top || is_bottom) continue;
+            bool is_edge = false;
+            for (int dy = -1; dy <= 1 && refine; ++dy) {
+                for (int dx = -1; dx <= 1; ++dx)
+                    is_edge = is_edge || found_at(x + dx, y + dy) != square.found;
+            }
+            if (!(is_edge || (refine && square.found % per_square != 0))) {
+                add(square, size);
+                continue;
+            }
+            for (int i = 0; i < area.divided * area.divided; ++i)
+                divided.push_back(
+                    {.begin = square.begin + size / static_cast<double>(area.divided) *
+                                                 glm::dvec2(i % area.divided, i / area.divided)});
+        }
     }
-    measure_slopes(out.lights, lines, node, rays);
+    if (!divided.empty()) {
+        search(divided, size / static_cast<double>(area.divided));
+        for (const Square& square : divided) add(square, size / static_cast<double>(area.divided));
+    }
+    measure_slopes(out.lights, through, node, rays);
     return out;
 }
 
@@ -292,7 +366,7 @@ std::vector<EdgeArea> continued(const Measured& m) {
             if ((dx != 0 || dy != 0) && crosses(0, dx) && crosses(1, dy))
                 out.push_back({.pixel = {m.area.pixel.first + dy, m.area.pixel.second + dx},
                                .recorded = m.area.recorded,
-                               .is_small = true});
+                               .divided = divided_if_small});
         }
     }
     return out;
@@ -300,7 +374,8 @@ std::vector<EdgeArea> continued(const Measured& m) {
 
 }  // namespace
 
-void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere& less) {
+void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere& less,
+                   const PatchLens& lens) {
     const auto node_of = [&](const Highlight& light) {
         const SheetKey& key = mesh.sheets[light.sheet].key;
         return NodeIdentity{key.path, key.parent_id, key.id};
@@ -315,31 +390,32 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
         std::map<Pixel, Measured> found = {};
     };
     std::vector<Edge> edges;
-    std::size_t pixels = 0, small = 0;
+    std::size_t pixels = 0, extra_rays = 0;
+    const auto extra_rays_of = [](const EdgeArea& area) {
+        return area.divided > 1 ? rays_per_division * static_cast<std::size_t>(area.divided * area.divided)
+                                : 0;
+    };
     for (auto first = mesh.highlights.begin(); first != mesh.highlights.end();) {
         const auto last = std::find_if(first, mesh.highlights.end(), [&](const Highlight& light) {
             return node_of(light) != node_of(*first);
         });
         const BrightSurface surface{node_of(*first), {first, last}};
-        edges.push_back({surface, surface.edge(less)});
+        edges.push_back({surface, surface.edge(less, lens)});
         pixels += edges.back().areas.size();
-        small += static_cast<std::size_t>(std::ranges::count(edges.back().areas, true, &EdgeArea::is_small));
+        for (const EdgeArea& area : edges.back().areas) extra_rays += extra_rays_of(area);
         first = last;
     }
     const std::size_t most = std::max(least_measured,
                                       static_cast<std::size_t>(most_measured_share *
                                                                static_cast<double>(mesh.fine.size()))),
-                      most_rays = most * edge_rays * edge_rays;
+                      most_rays = most * coarse_rays;
     if (pixels > most) return;
-    std::size_t finest = finest_rays;
-    const auto rays_of = [&](std::size_t across) {
-        return small * across * across + (pixels - small) * edge_rays * edge_rays;
-    };
-    while (finest > edge_rays && rays_of(finest) > most_rays) finest /= 2;
+    const auto rays_in_all = [&](bool refine) { return pixels * coarse_rays + (refine ? extra_rays : 0); };
+    const bool refine = rays_in_all(true) <= most_rays;
     // Traced rays search pixels for highlights, in several rounds. If a highlight touches the border of its
     // pixel, the next round also searches the neighbouring pixel. A narrow highlight may continue there,
     // although the file has no sample of it.
-    for (bool any = true; any && rays_of(finest) <= most_rays;) {
+    for (bool any = true; any && rays_in_all(refine) <= most_rays;) {
         std::vector<std::pair<const Edge*, const EdgeArea*>> tasks;
         for (const Edge& edge : edges) {
             for (const EdgeArea& area : edge.areas) tasks.emplace_back(&edge, &area);
@@ -347,7 +423,7 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
         std::vector<Measured> now(tasks.size());
         parallel_for(tasks.size(), [&](std::size_t i) {
             const auto& [edge, area] = tasks[i];
-            now[i] = edge->surface.measured(*area, area->is_small ? finest : edge_rays, rays, less);
+            now[i] = edge->surface.measured(*area, refine, rays, less);
         });
         any = false;
         auto next_measured = now.begin();
@@ -361,9 +437,11 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
                 }
             }
             pixels += next.size();
-            small += next.size();
             areas.clear();
-            for (const auto& [pixel, area] : next) areas.push_back(area);
+            for (const auto& [pixel, area] : next) {
+                areas.push_back(area);
+                extra_rays += extra_rays_of(area);
+            }
             any = any || !areas.empty();
         }
     }

@@ -1,6 +1,7 @@
 // Measures the edges of highlights by rays.
 #pragma once
 
+#include "reproject/patches/patches.h"
 #include "reproject/sheets/sheet_mesh.h"
 #include "reproject/sight_rays.h"
 
@@ -10,6 +11,7 @@ namespace postlens {
 /// coarse for small areas. The scene must be static.
 /// - `less`: states which surfaces have bright light that is added to the image as highlights; only these are
 ///   measured
-void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere& less);
+/// - `lens`: the lens, because the edges of almost sharp, bright highlights are measured more finely
+void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere& less, const PatchLens& lens);
 
 }  // namespace postlens

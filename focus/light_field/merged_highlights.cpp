@@ -15,10 +15,10 @@ constexpr double largest_cell_px = 0.5;
 /// Width, in px, of the smallest cells in which highlights are merged. Kernel positions are multiples of this
 /// width.
 constexpr double smallest_cell_px = 1.0 / KernelKey::phase_steps;
-/// The sharp highlights of a sheet are divided at the borders of square cells. A sheet is the part of a
-/// surface within 16 x 16 px. Highlights in the same cell are merged into one light source. If the sheet's
-/// highlights would need more cells than most_cells, the cells are made larger.
-constexpr double most_cells = 512;
+/// Width, in px, of the cells in which sharp highlights are merged. Their kernels are exact for every width,
+/// because a kernel is the mean over all parts of its source (sharp_kernel). But the visibility of a source
+/// is found for its centre, so the cells should be small.
+constexpr double sharp_cell_px = 0.25;
 /// Largest error of radiance that is invisible: half an 8-bit step of a dark sRGB value, converted to
 /// radiance. In the darkest part of the range, an sRGB value rises 12.92 times as fast as the radiance.
 constexpr double invisible = 0.5 / 255 / 12.92;
@@ -65,46 +65,31 @@ glm::dmat2 px_from_lens(const Highlight& h, const FocusGeometry& geometry) {
                       -static_cast<double>(h.w.xy), s - static_cast<double>(h.w.yy));
 }
 
-bool is_point(const Highlight& h, const FocusGeometry& geometry) {
-    const glm::dmat2 m = px_from_lens(h, geometry);
-    return std::hypot(glm::length(m[0]), glm::length(m[1])) < point_below_px;
-}
-
 glm::dvec2 inclination_shift_px(const Highlight& h, const FocusGeometry& geometry) {
     glm::dvec2 widening = patch_lens(geometry).radius_px_m * glm::dvec2(h.slope);
     widening /= std::max(1.0, glm::length(widening));
     return px_from_lens(h, geometry) * (widening / -4.0);
 }
 
-void MergedHighlights::add(const Highlight& h, float sheet_area_px2) {
+void MergedHighlights::add(const Highlight& h) {
     const double blur_px = patch_lens(geometry_).least_blur_px(h.w),
                  side = std::sqrt(static_cast<double>(h.area));
-    double cell_px = invisible_cell_px(h, blur_px);
     if (blur_px >= sharp_below_px) {
-        merge(h, glm::vec2(side), cell_px, {0, 0});
+        merge(h, glm::vec2(side), invisible_cell_px(h, blur_px), {0, 0});
         return;
     }
-    glm::dvec2 first_px = -inclination_shift_px(h, geometry_);
-    if (is_point(h, geometry_)) {
-        cell_px = 1;  // a pixel
-    } else {
-        // The width of the cells depends only on the highlight and on its sheet. It does not depend on other
-        // highlights, because a cropped image may lack them. So each part of an image is the same as in the
-        // whole image.
-        while (cell_px < largest_cell_px &&
-               (cell_px < side / 2 || static_cast<double>(sheet_area_px2) > most_cells * cell_px * cell_px))
-            cell_px *= 2;
-        first_px += cell_px / 2;  // kernel positions are cell centres, so that rounding moves no light
-    }
-    for (const Span& y : divided_at_cells(static_cast<double>(h.y), side, cell_px, first_px.y)) {
-        for (const Span& x : divided_at_cells(static_cast<double>(h.x), side, cell_px, first_px.x)) {
+    // An inclined surface shifts the blur. The cells are shifted back, so that no part of a blur's centre
+    // lies in two pixels.
+    const glm::dvec2 first_px = -inclination_shift_px(h, geometry_);
+    for (const Span& y : divided_at_cells(static_cast<double>(h.y), side, sharp_cell_px, first_px.y)) {
+        for (const Span& x : divided_at_cells(static_cast<double>(h.x), side, sharp_cell_px, first_px.x)) {
             Highlight part = h;
             const auto share = static_cast<float>(x.share * y.share);
             part.x = static_cast<float>(x.middle);
             part.y = static_cast<float>(y.middle);
             part.area *= share;
             for (float& channel : part.rgb) channel *= share;
-            merge(part, glm::vec2(side * x.share, side * y.share), cell_px, first_px);
+            merge(part, glm::vec2(side * x.share, side * y.share), sharp_cell_px, first_px);
         }
     }
 }

@@ -17,9 +17,6 @@ namespace postlens {
 /// single lens points show the highlight at separate positions, and their mean shows separate dots.
 constexpr double sharp_below_px = 2;
 
-/// Highlights whose blur radius is below this in all directions, in px, count as points (is_point).
-constexpr double point_below_px = 1.0 / KernelKey::phase_steps;
-
 /// A part of an interval, and its share of the whole.
 struct Span {
     double middle, share;
@@ -42,11 +39,6 @@ struct SourcePart {
 /// in px.
 [[nodiscard]] glm::dmat2 px_from_lens(const Highlight& h, const FocusGeometry& geometry);
 
-/// Returns whether the blur of a highlight is smaller than 1/16 px, the step to which the positions of blur
-/// kernels are rounded. Such a highlight is treated as a point: all of its light in a pixel becomes one light
-/// source, and rounding must not move this light to a neighbouring pixel.
-[[nodiscard]] bool is_point(const Highlight& h, const FocusGeometry& geometry);
-
 /// Returns how far the inclination of a surface shifts the centre of its highlight's blur, in px. An inclined
 /// surface looks larger from one side of the lens, and sends more light through this side. So its blur is not
 /// centred.
@@ -66,11 +58,9 @@ class MergedHighlights {
     explicit MergedHighlights(const FocusGeometry& geometry) : geometry_(geometry) {}
 
     /// Adds a highlight of a static surface. Highlights in the same square cell of the raster are merged into
-    /// one light source. Where the blur is sharp, merging would change the shape of the light if highlights
-    /// extended over several cells. Therefore, a sharp highlight is first divided at the borders of the
-    /// cells.
-    /// - `sheet_area_px2`: area of all highlights of the same sheet (part of a surface within 16 x 16 px)
-    void add(const Highlight& h, float sheet_area_px2);
+    /// one light source. A sharp highlight is first divided at the borders of the cells, so that each of its
+    /// parts lies in one cell, and so in one pixel.
+    void add(const Highlight& h);
     /// Adds a highlight of a moving surface. Cells are `cell_px` wide.
     void add_moving(const Highlight& h, double cell_px);
 

@@ -39,13 +39,13 @@ TEST_P(UnsureViews, AreAsRightAsRays) {
     EXPECT_GT(encoded_psnr(got.focus.image, truth), std::min(50.0, of_rays - 0.5));
     EXPECT_LT(got.retraced_share, 0.5);
     ASSERT_TRUE(got.stated);
-    // Up to 4096 pixels at edges of highlights are measured by 256 rays each.
+    // The edges of highlights are measured by about 4096 * 256 rays at most, for those seen directly and
+    // again for those in mirrors and glass.
     const std::int64_t measuring = static_cast<std::int64_t>(got.rays.eye) -
                                    std::lround(got.retraced_share * 96 * 54 * views) -
                                    static_cast<std::int64_t>(got.stated->check_rays);
-    EXPECT_EQ(measuring % 256, 0);
     EXPECT_GE(measuring, 0);
-    EXPECT_LE(measuring, 4096 * 256);
+    EXPECT_LE(measuring, 2 * 4096 * 256);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, UnsureViews,
