@@ -4,9 +4,12 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
+#include <span>
 #include <tuple>
 #include <utility>
 
+#include "core/threads.h"
 #include "focus/light_field/merged_highlights.h"
 #include "focus/light_field/sharp_kernel.h"
 #include "focus/responses/depth_levels.h"
@@ -89,7 +92,7 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
         for (const Highlight& h : mesh->highlights) {
             const SheetKey& key = mesh->sheets[h.sheet].key;
             if (motion == nullptr || !motion->moves(key)) {
-                merged.add(h);
+                merged.add(h, is_sharp(h));
                 continue;
             }
             const auto [known, is_first] = moments.try_emplace(h.sheet, 0);
@@ -110,17 +113,18 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
             }
             const auto found = moments.find(of.light.sheet);
             if (found == moments.end()) {
-                add_source({of.light, -1, 1}, of.parts.size(), *mesh, cache, limits);
+                add_source({of.light, -1, 1}, of, *mesh, cache);
                 continue;
             }
             const SheetKey& key = mesh->sheets[of.light.sheet].key;
             const int count = std::min(most, found->second);
             for (const HighlightMotion::Moment& m :
                  motion->moments(of.light, key, count, count < found->second))
-                add_source(m, of.parts.size(), *mesh, cache, limits);
+                add_source(m, of, *mesh, cache);
         }
     }
     kernels_->build();
+    make_sharp_kernels(limits);
     group_sources();
     constexpr int edge = SeenTile::edge;
     tile_columns_ = (window.width() + edge - 1) / edge;
@@ -147,18 +151,43 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     }
 }
 
-void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
-                                 KernelNumberCache& cache, KernelReach limits) {
+/// Returns whether the blur of a highlight is so small that its kernel must be computed from the shape of the
+/// light (sharp_kernel).
+bool FieldHighlights::is_sharp(const Highlight& h) const {
+    const glm::dmat2 map = px_from_lens(h, geometry_);
+    // This is the blur radius in px, or for an ellipse the mean of both semi-axes in the squares.
+    const double radius_px = std::hypot(glm::length(map[0]), glm::length(map[1])) / std::numbers::sqrt2;
+    if (!(radius_px < sharp_below_px)) return false;
+    // The kernels of an aperture that is an image are expensive, unless they are so small that discs replace
+    // them. So they are made once for many sources.
+    constexpr double disc_px = 0.5;
+    return model_->is_round() || model_->is_even() || model_->reach_px(map) < disc_px;
+}
+
+/// Makes the kernels of the almost sharp sources. Before, Source::kernel is the number of the kernel.
+void FieldHighlights::make_sharp_kernels(KernelReach limits) {
+    std::vector<const Source*> of(sharp_kernels_.size());
+    for (const Source& s : sources_) {
+        if (s.is_sharp) of[s.kernel] = &s;
+    }
+    parallel_for(of.size(), [&](std::size_t i) {
+        const Source& s = *of[i];
+        sharp_kernels_[i] =
+            sharp_kernel(std::span(parts_).subspan(s.first_part, s.parts),
+                         s.at + s.shift - glm::dvec2(s.x, s.y), s.px_from_lens, *model_, limits);
+    });
+}
+
+void FieldHighlights::add_source(const HighlightMotion::Moment& m, const MergedHighlights::Merged& of,
+                                 const SheetMesh& mesh, KernelNumberCache& cache) {
     const Highlight& h = m.light;
     Source s;
     s.u = m.u;
-    s.first_part = static_cast<std::uint32_t>(parts_.size() - parts);
-    s.parts = static_cast<std::uint32_t>(parts);
+    s.first_part = static_cast<std::uint32_t>(parts_.size() - of.parts.size());
+    s.parts = static_cast<std::uint32_t>(of.parts.size());
     const glm::dmat2 map = px_from_lens(h, geometry_);
     s.px_from_lens = map;
     s.lens_from_px = glm::inverse(map);
-    KernelKey key = round_ ? KernelKey::ellipse(Ellipse::from_map(map, DepthLevels::smallest_radius_px), true)
-                           : KernelKey::map(map, true);
     s.at = glm::dvec2(h.x, h.y) - glm::dvec2(window_.x_begin, window_.y_begin);
     for (std::size_t c = 0; c < 3; ++c) s.rgb[c] = static_cast<float>(m.share) * h.rgb[c];
     const double most = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}));
@@ -171,17 +200,19 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
     const glm::dvec2 middle = s.at + inclination_shift_px(h, geometry_);
-    if (s.u < 0 && patch_lens(geometry_).least_blur_px(h.w) < sharp_below_px) {
+    if (of.is_sharp) {
         const glm::dvec2 whole = glm::floor(middle);
         s.x = static_cast<int>(whole.x);
         s.y = static_cast<int>(whole.y);
+        s.shift = middle - s.at;
         s.is_sharp = true;
         s.kernel = static_cast<std::uint32_t>(sharp_kernels_.size());
-        sharp_kernels_.push_back(
-            sharp_kernel(std::span(parts_).last(parts), middle - whole, map, *model_, limits));
+        sharp_kernels_.emplace_back();
         sources_.push_back(s);
         return;
     }
+    KernelKey key = round_ ? KernelKey::ellipse(Ellipse::from_map(map, DepthLevels::smallest_radius_px), true)
+                           : KernelKey::map(map, true);
     // A sharp moving highlight may extend over several pixels, but one kernel would put all of its light into
     // one pixel. Therefore, the highlight is divided at the borders of pixels, and each part has its own
     // kernel. `side` is the highlight's width, in px; 0 means that it is not divided.

@@ -68,6 +68,7 @@ class FieldHighlights {
         std::uint32_t kernel = 0;  ///< index into kernels_, or into sharp_kernels_
         bool is_sharp = false;     ///< whether the kernel is in sharp_kernels_
         glm::dvec2 at{0};          ///< position, image px
+        glm::dvec2 shift{0};       ///< of the centre of an almost sharp blur, px (inclination_shift_px)
         std::array<float, 3> rgb{};
         double light = 0;     ///< sum of rgb
         double area = 0;      ///< px^2
@@ -100,8 +101,10 @@ class FieldHighlights {
     };
     void group_sources();
     [[nodiscard]] glm::dvec2 point_of(const Source& s, double choice, const glm::dvec2& place) const;
-    void add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
-                    KernelNumberCache& cache, KernelReach limits);
+    void add_source(const HighlightMotion::Moment& m, const MergedHighlights::Merged& of,
+                    const SheetMesh& mesh, KernelNumberCache& cache);
+    [[nodiscard]] bool is_sharp(const Highlight& h) const;
+    void make_sharp_kernels(KernelReach limits);
     struct Part {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< image px
         std::array<float, SeenTile::pixels> share{};

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "focus/responses/kernel.h"
 #include "reproject/patches/patches.h"
 
 namespace postlens {
@@ -15,9 +16,9 @@ constexpr double largest_cell_px = 0.5;
 /// Width, in px, of the smallest cells in which highlights are merged. Kernel positions are multiples of this
 /// width.
 constexpr double smallest_cell_px = 1.0 / KernelKey::phase_steps;
-/// Width, in px, of the cells in which sharp highlights are merged. Their kernels are exact for every width,
-/// because a kernel is the mean over all parts of its source (sharp_kernel). But the visibility of a source
-/// is found for its centre, so the cells should be small.
+/// Width, in px, of the cells in which sharp highlights are merged. A kernel is the mean over all parts of
+/// its source (sharp_kernel), so it does not become less accurate in wide cells. But the visibility of a
+/// source is found for its centre, so the cells should be small.
 constexpr double sharp_cell_px = 0.25;
 /// Largest error of radiance that is invisible: half an 8-bit step of a dark sRGB value, converted to
 /// radiance. In the darkest part of the range, an sRGB value rises 12.92 times as fast as the radiance.
@@ -71,11 +72,10 @@ glm::dvec2 inclination_shift_px(const Highlight& h, const FocusGeometry& geometr
     return px_from_lens(h, geometry) * (widening / -4.0);
 }
 
-void MergedHighlights::add(const Highlight& h) {
-    const double blur_px = patch_lens(geometry_).least_blur_px(h.w),
-                 side = std::sqrt(static_cast<double>(h.area));
-    if (blur_px >= sharp_below_px) {
-        merge(h, glm::vec2(side), invisible_cell_px(h, blur_px), {0, 0});
+void MergedHighlights::add(const Highlight& h, bool is_sharp) {
+    const double side = std::sqrt(static_cast<double>(h.area));
+    if (!is_sharp) {
+        merge(h, glm::vec2(side), {invisible_cell_px(h, patch_lens(geometry_).least_blur_px(h.w))});
         return;
     }
     // An inclined surface shifts the blur. The cells are shifted back, so that no part of a blur's centre
@@ -89,23 +89,24 @@ void MergedHighlights::add(const Highlight& h) {
             part.y = static_cast<float>(y.middle);
             part.area *= share;
             for (float& channel : part.rgb) channel *= share;
-            merge(part, glm::vec2(side * x.share, side * y.share), sharp_cell_px, first_px);
+            merge(part, glm::vec2(side * x.share, side * y.share), {sharp_cell_px, first_px, true});
         }
     }
 }
 
 void MergedHighlights::add_moving(const Highlight& h, double cell_px) {
-    merge(h, glm::vec2(std::sqrt(h.area)), cell_px, {0, 0});
+    merge(h, glm::vec2(std::sqrt(h.area)), {cell_px});
 }
 
-void MergedHighlights::merge(const Highlight& h, const glm::vec2& size, double cell_px,
-                             const glm::dvec2& first_px) {
-    const glm::ivec2 cell(glm::floor((glm::dvec2(h.x, h.y) - first_px) / cell_px));
+void MergedHighlights::merge(const Highlight& h, const glm::vec2& size, const Cells& cells) {
+    const glm::ivec2 cell(glm::floor((glm::dvec2(h.x, h.y) - cells.first_px) / cells.width_px));
     const double energy = light_of(h);
+    const auto per_px = static_cast<int>(std::lround(1 / cells.width_px));
     const auto [found, is_new] = merged_.try_emplace(
-        {h.sheet, static_cast<int>(std::lround(1 / cell_px)), cell.x, cell.y}, Merged{h, energy, {}});
-    auto& [sum, weight, parts] = found->second;
-    parts.push_back({{h.x, h.y}, size, (is_new ? 0 : parts.back().area_until) + h.area});
+        {h.sheet, cells.is_sharp ? -per_px : per_px, cell.x, cell.y}, Merged{h, energy, {}, cells.is_sharp});
+    auto& [sum, weight, parts, is_sharp] = found->second;
+    parts.push_back(
+        {{h.x, h.y}, size, (is_new ? 0 : parts.back().area_until) + h.area, static_cast<float>(energy)});
     if (is_new) return;
     const auto share = static_cast<float>(energy / (weight + energy));
     const auto mix = [share](float& to, float from) { to += share * (from - to); };

@@ -7,7 +7,6 @@
 #include <tuple>
 #include <vector>
 
-#include "focus/responses/kernel.h"
 #include "lens/focus_geometry.h"
 #include "reproject/sheets/sheet_mesh.h"
 
@@ -30,9 +29,11 @@ struct Span {
 /// - `at`: centre, in px; a raster position in MergedHighlights, but relative to the light source in
 ///   FieldHighlights
 /// - `area_until`: total area of this rectangle and all rectangles before it in the light source, in px^2
+/// - `light`: radiance times px^2, summed over the colour channels
 struct SourcePart {
     glm::vec2 at{0}, size{0};
     float area_until = 0;
+    float light = 0;
 };
 
 /// Returns the matrix that converts a lens point, in lens radii, to the displacement of a highlight's image,
@@ -45,33 +46,38 @@ struct SourcePart {
 [[nodiscard]] glm::dvec2 inclination_shift_px(const Highlight& h, const FocusGeometry& geometry);
 
 /// Merges highlights into light sources, so that fewer blur kernels are added to the image. Highlights are
-/// merged if they belong to the same surface and lie in the same small square cell of the raster. Cells are
-/// as large as the radiance allows without visible error.
+/// merged if they belong to the same surface and lie in the same small square cell of the raster. Cells of
+/// blurred highlights are as large as the radiance allows without visible error.
 class MergedHighlights {
   public:
     struct Merged {
         Highlight light;  ///< position and depth: means, weighted by light
         double energy = 0;
         std::vector<SourcePart> parts;
+        bool is_sharp = false;
     };
     /// `geometry` must outlive this object.
     explicit MergedHighlights(const FocusGeometry& geometry) : geometry_(geometry) {}
 
     /// Adds a highlight of a static surface. Highlights in the same square cell of the raster are merged into
-    /// one light source. A sharp highlight is first divided at the borders of the cells, so that each of its
-    /// parts lies in one cell, and so in one pixel.
-    void add(const Highlight& h);
+    /// one light source. If the highlight is almost sharp (`is_sharp`), it is first divided at the borders of
+    /// the cells, so that each of its parts lies in one cell. The borders of pixels are borders of cells.
+    void add(const Highlight& h, bool is_sharp);
     /// Adds a highlight of a moving surface. Cells are `cell_px` wide.
     void add_moving(const Highlight& h, double cell_px);
 
-    /// Key: sheet, cells per pixel, column and row of the cell.
+    /// Key: sheet, cells per pixel (negative for almost sharp highlights), column and row of the cell.
     [[nodiscard]] const std::map<std::tuple<std::uint32_t, int, int, int>, Merged>& all() const {
         return merged_;
     }
 
   private:
-    /// `first_px`: position of one corner of a cell
-    void merge(const Highlight& h, const glm::vec2& size, double cell_px, const glm::dvec2& first_px);
+    struct Cells {
+        double width_px;
+        glm::dvec2 first_px{0};  ///< position of one corner of a cell
+        bool is_sharp = false;
+    };
+    void merge(const Highlight& h, const glm::vec2& size, const Cells& cells);
     const FocusGeometry& geometry_;
     std::map<std::tuple<std::uint32_t, int, int, int>, Merged> merged_;
 };

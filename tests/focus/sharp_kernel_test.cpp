@@ -38,7 +38,7 @@ Pixels reference(const std::vector<SourcePart>& parts, const glm::dvec2& centre,
         for (int i = 0; i < in_part * in_part; ++i) {
             const glm::dvec2 in(((i % in_part) + 0.5) / in_part - 0.5, ((i / in_part) + 0.5) / in_part - 0.5),
                 from = centre + glm::dvec2(part.at) + glm::dvec2(part.size) * in;
-            const double weight = static_cast<double>(part.size.x) * static_cast<double>(part.size.y);
+            const auto weight = static_cast<double>(part.light);
             for (int k = 0; k < in_lens * in_lens; ++k) {
                 const glm::dvec2 lens(2 * ((k % in_lens) + 0.5) / in_lens - 1,
                                       2 * ((k / in_lens) + 0.5) / in_lens - 1);
@@ -54,8 +54,8 @@ Pixels reference(const std::vector<SourcePart>& parts, const glm::dvec2& centre,
 }
 
 // A quarter of a pixel that meets the border of a pixel, and a strip in the next pixel.
-const std::vector<SourcePart> parts{{{-0.125F, 0.0F}, {0.25F, 0.25F}, 0.0625F},
-                                    {{0.005F, 0.08F}, {0.01F, 0.2F}, 0.0645F}};
+const std::vector<SourcePart> parts{{{-0.125F, 0.0F}, {0.25F, 0.25F}, 0.0625F, 0.0625F},
+                                    {{0.005F, 0.08F}, {0.01F, 0.2F}, 0.0645F, 0.002F}};
 
 TEST(SharpKernel, IsTheMeanOfTheKernelsOfAllPoints) {
     const glm::dvec2 centre(1, 0.8);
