@@ -20,9 +20,9 @@
 namespace postlens {
 namespace {
 
-/// Traced rays search a pixel, or a rectangle in it, for the light of a highlight. This area is divided into
-/// edge_squares x edge_squares squares, and each square is searched by square_rays x square_rays rays. The
-/// standard deviation of the lit area found is about pixel_error, as a fraction of the searched area.
+/// Traced rays search a pixel, or a rectangle in it, for the light of a highlight. The longer side of this
+/// area is divided into edge_squares squares, and each square is searched by square_rays x square_rays rays.
+/// In a whole pixel, the standard deviation of the lit area found is about pixel_error, in px^2.
 constexpr int edge_squares = 8, square_rays = 2;
 constexpr double pixel_error = 0.007;
 /// Where this is too inaccurate, squares at the edge of the light are divided again, with square_rays x
@@ -32,9 +32,10 @@ constexpr double pixel_error = 0.007;
 constexpr int divided_at_edge = 4, divided_if_small = 6;
 /// Highlights with an area below this are small, in px^2.
 constexpr float small_light_px2 = 1;
-/// Number of rays with which an area is searched if its squares are not divided again. Otherwise, about
-/// rays_per_division * n^2 rays are added, if each square at the edge is divided into n x n.
-constexpr std::size_t coarse_rays = 256, rays_per_division = 100;
+/// Number of rays with which an area is searched if its squares are not divided again. Otherwise, these are
+/// about ring_rays more, and rays_per_division * n^2 rays are added if each square at the edge is divided
+/// into n x n.
+constexpr std::size_t coarse_rays = 256, ring_rays = 144, rays_per_division = 60;
 /// Largest error of a pixel's radiance that the search may cause without a second division.
 constexpr double tolerated_radiance = 0.01;
 /// Limits the time for measuring the edges of highlights with traced rays. If the edges cross too many
@@ -57,7 +58,26 @@ struct EdgeArea {
     Pixel pixel;
     Pixel recorded = pixel;  ///< a pixel with a record of the light in it or in one of its eight neighbours
     int divided = 1;         ///< into how many squares those at the light's edge are divided, along each axis
+    /// Whether the records are closer together than the rays, unless squares are divided.
+    bool has_fine_records = false;
     glm::dvec2 begin{0}, end{1};
+
+    [[nodiscard]] double square_px() const {
+        return std::max(end.x - begin.x, end.y - begin.y) / edge_squares;
+    }
+    /// Number of squares along each axis, after in_squares().
+    [[nodiscard]] glm::ivec2 squares() const { return glm::ivec2(glm::round((end - begin) / square_px())); }
+    /// Returns the area, widened within the pixel so that it consists of whole squares.
+    [[nodiscard]] EdgeArea in_squares() const {
+        EdgeArea out = *this;
+        const double side = square_px();
+        for (int axis = 0; axis < 2; ++axis) {
+            const double wanted = std::ceil((end[axis] - begin[axis]) / side - 1e-6) * side;
+            out.end[axis] = std::min(begin[axis] + wanted, 1.0);
+            out.begin[axis] = std::max(out.end[axis] - wanted, 0.0);
+        }
+        return out;
+    }
 };
 
 /// The highlights that rays found in a part of a pixel.
@@ -116,7 +136,7 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
     }
     out.begin = glm::max(out.begin, 0.0);
     out.end = glm::min(out.end, 1.0);
-    return out;
+    return out.begin.x < out.end.x && out.begin.y < out.end.y ? out.in_squares() : out;
 }
 
 std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less, const PatchLens& lens) const {
@@ -179,8 +199,10 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less, const Patc
                 const EdgeArea area = near_records(pixel);
                 if (area.begin.x < area.end.x && area.begin.y < area.end.y) out.push_back(area);
             } else if ((is_bright || !is_fine) && node.path.bits() == 0) {
-                out.push_back(
-                    {.pixel = pixel, .recorded = pixel, .divided = is_bright ? divided_at_edge : 1});
+                out.push_back({.pixel = pixel,
+                               .recorded = pixel,
+                               .divided = is_bright ? divided_at_edge : 1,
+                               .has_fine_records = is_fine});
             }
         }
     }
@@ -238,109 +260,222 @@ struct Square {
     glm::dvec2 at{0};  ///< sum of the positions of the rays that find light
     int found = 0;     ///< number of these rays
 };
+constexpr int rays_per_square = square_rays * square_rays;
+
+/// Searches squares of one pixel for the light of one surface.
+class SquareSearch {
+  public:
+    SquareSearch(const NodeIdentity& node, const Pixel& pixel, const SightRays& rays,
+                 const LightElsewhere& less)
+        : node_(node),
+          pixel_(pixel),
+          rays_(rays),
+          less_(less),
+          seed_(mix64((std::uint64_t{static_cast<std::uint32_t>(pixel.first)} << 32U) |
+                      static_cast<std::uint32_t>(pixel.second))) {}
+
+    /// Traces rays through `squares`, which are `side_px` wide, and adds the light that they find.
+    void search(std::vector<Square>& squares, double side_px) {
+        std::vector<SightLine> lines;
+        lines.reserve(squares.size() * rays_per_square);
+        for (const Square& square : squares) {
+            for (int i = 0; i < rays_per_square; ++i) {
+                const auto k = static_cast<std::uint32_t>(lines.size());
+                const auto within = [&](int step, std::uint32_t counter) {
+                    return (step + static_cast<double>(unit_float(random_word(seed_, counter)))) /
+                           square_rays;
+                };
+                lines.push_back(
+                    {.x = pixel_.second,
+                     .y = pixel_.first,
+                     .place = square.begin + side_px * glm::dvec2(within(i % square_rays, 2 * k),
+                                                                  within(i / square_rays, 2 * k + 1)),
+                     .view = k});
+            }
+        }
+        const std::vector<NodeIdentity> nodes(lines.size(), node_);
+        std::vector<std::array<float, 3>> radiance(lines.size());
+        rays_.trace_elsewhere(lines, nodes, less_, radiance);
+        for (std::size_t k = 0; k < lines.size(); ++k) {
+            if (radiance[k] == std::array<float, 3>{}) continue;
+            Square& square = squares[k / rays_per_square];
+            for (std::size_t c = 0; c < 3; ++c) square.rgb[c] += radiance[k][c];
+            square.at += lines[k].place;
+            ++square.found;
+        }
+        seed_ = mix64(seed_ + 1);
+    }
+
+  private:
+    NodeIdentity node_;
+    Pixel pixel_;
+    const SightRays& rays_;
+    const LightElsewhere& less_;
+    std::uint64_t seed_;
+};
+
+/// The squares of an area, with a ring of squares around them.
+class SquareGrid {
+  public:
+    SquareGrid(const EdgeArea& area, bool with_ring)
+        : size_(area.squares()), side_px_(area.square_px()), area_(area), with_ring_(with_ring) {
+        for (int y = -1; y <= size_.y; ++y) {
+            for (int x = -1; x <= size_.x; ++x)
+                squares_.push_back({.begin = area.begin + side_px_ * glm::dvec2(x, y)});
+        }
+        divided_.resize(squares_.size());
+    }
+    [[nodiscard]] glm::ivec2 size() const { return size_; }
+    [[nodiscard]] double side_px() const { return side_px_; }
+    [[nodiscard]] Square& at(int x, int y) { return squares_[index(x, y)]; }
+    [[nodiscard]] bool inside(int x, int y) const { return x >= 0 && y >= 0 && x < size_.x && y < size_.y; }
+    /// The smaller squares into which a square is divided; empty if it is not.
+    [[nodiscard]] std::vector<Square>& divided(int x, int y) { return divided_[index(x, y)]; }
+
+    void search(SquareSearch& by) {
+        if (with_ring_) {
+            by.search(squares_, side_px_);
+            return;
+        }
+        std::vector<Square> inner;
+        for (int y = 0; y < size_.y; ++y) {
+            for (int x = 0; x < size_.x; ++x) inner.push_back(at(x, y));
+        }
+        by.search(inner, side_px_);
+        for (int y = 0; y < size_.y; ++y) {
+            for (int x = 0; x < size_.x; ++x) at(x, y) = inner[static_cast<std::size_t>(y * size_.x + x)];
+        }
+    }
+
+    /// Divides the squares at the edge of the light, and searches them again: those of which the rays find
+    /// light in a part only, those beside squares with another result, and those for which `has_record` is
+    /// true. A narrow strip of light may continue into squares in which no ray met it. So squares beside
+    /// those are divided too.
+    template <typename HasRecord>
+    void divide(SquareSearch& by, const HasRecord& has_record) {
+        std::vector<glm::ivec2> next;
+        for (int y = 0; y < size_.y; ++y) {
+            for (int x = 0; x < size_.x; ++x) {
+                if (is_edge(x, y) || has_record(at(x, y))) next.emplace_back(x, y);
+            }
+        }
+        const int n = area_.divided;
+        while (!next.empty()) {
+            std::vector<Square> fine;
+            for (const glm::ivec2& p : next) {
+                for (int i = 0; i < n * n; ++i)
+                    fine.push_back({.begin = at(p.x, p.y).begin + side_px_ / n * glm::dvec2(i % n, i / n)});
+            }
+            by.search(fine, side_px_ / n);
+            auto from = fine.begin();
+            for (const glm::ivec2& p : next) {
+                divided(p.x, p.y).assign(from, from + n * n);
+                from += n * n;
+            }
+            std::vector<glm::ivec2> more;
+            for (const glm::ivec2& p : next) {
+                if (std::ranges::none_of(divided(p.x, p.y), &Square::found)) continue;
+                for (int k = 0; k < 9; ++k) {
+                    const glm::ivec2 q(p.x + k % 3 - 1, p.y + k / 3 - 1);
+                    if (inside(q.x, q.y) && divided(q.x, q.y).empty() &&
+                        at(q.x, q.y).found < rays_per_square && std::ranges::find(more, q) == more.end())
+                        more.push_back(q);
+                }
+            }
+            next = std::move(more);
+        }
+    }
+
+    /// Returns whether light touches the left border (`side` = -1) or right border (1) of the area if `axis`
+    /// is 0, or the upper or lower border if it is 1.
+    [[nodiscard]] bool touches(int axis, int side) {
+        const int across = axis == 0 ? size_.y : size_.x, last = (axis == 0 ? size_.x : size_.y) - 1,
+                  border = side < 0 ? 0 : last, n = area_.divided;
+        for (int i = -1; i <= across; ++i) {
+            const auto place = [&](int along) {
+                return axis == 0 ? glm::ivec2(along, i) : glm::ivec2(i, along);
+            };
+            const glm::ivec2 outer = place(border + side), p = place(border);
+            if (at(outer.x, outer.y).found > 0) return true;
+            if (!inside(p.x, p.y)) continue;
+            const std::vector<Square>& fine = divided(p.x, p.y);
+            if (fine.empty() && at(p.x, p.y).found > 0) return true;
+            for (std::size_t k = 0; k < fine.size(); ++k) {
+                const int step = static_cast<int>(k) % n, row = static_cast<int>(k) / n,
+                          along = axis == 0 ? step : row;
+                if (along == (side < 0 ? 0 : n - 1) && fine[k].found > 0) return true;
+            }
+        }
+        return false;
+    }
+
+  private:
+    [[nodiscard]] std::size_t index(int x, int y) const {
+        return static_cast<std::size_t>((y + 1) * (size_.x + 2) + x + 1);
+    }
+    [[nodiscard]] bool is_edge(int x, int y) {
+        const int found = at(x, y).found;
+        if (found % rays_per_square != 0) return true;
+        for (int k = 0; k < 9; ++k) {
+            if (at(x + k % 3 - 1, y + k / 3 - 1).found != found) return true;
+        }
+        return false;
+    }
+
+    glm::ivec2 size_;
+    double side_px_;
+    EdgeArea area_;
+    bool with_ring_;
+    std::vector<Square> squares_;
+    std::vector<std::vector<Square>> divided_;
+};
 
 Measured BrightSurface::measured(const EdgeArea& area, bool refine, const SightRays& rays,
                                  const LightElsewhere& less) const {
     const Pixel& pixel = area.pixel;
     refine = refine && area.divided > 1;
-    constexpr int per_square = square_rays * square_rays;
-    const glm::dvec2 size = (area.end - area.begin) / static_cast<double>(edge_squares);
-    std::uint64_t seed = mix64((std::uint64_t{static_cast<std::uint32_t>(pixel.first)} << 32U) |
-                               static_cast<std::uint32_t>(pixel.second));
-    std::vector<SightLine> lines;
-    std::vector<NodeIdentity> nodes;
-    std::vector<std::array<float, 3>> radiance;
-    const auto search = [&](std::vector<Square>& squares, const glm::dvec2& square_px) {
-        lines.clear();
-        for (const Square& square : squares) {
-            for (int i = 0; i < per_square; ++i) {
-                const auto k = static_cast<std::uint32_t>(lines.size());
-                const auto within = [&](int step, std::uint32_t counter) {
-                    return (step + static_cast<double>(unit_float(random_word(seed, counter)))) / square_rays;
-                };
-                lines.push_back(
-                    {.x = pixel.second,
-                     .y = pixel.first,
-                     .place = square.begin + square_px * glm::dvec2(within(i % square_rays, 2 * k),
-                                                                    within(i / square_rays, 2 * k + 1)),
-                     .view = k});
-            }
-        }
-        nodes.assign(lines.size(), node);
-        radiance.assign(lines.size(), {});
-        rays.trace_elsewhere(lines, nodes, less, radiance);
-        for (std::size_t k = 0; k < lines.size(); ++k) {
-            if (radiance[k] == std::array<float, 3>{}) continue;
-            Square& square = squares[k / per_square];
-            for (std::size_t c = 0; c < 3; ++c) square.rgb[c] += radiance[k][c];
-            square.at += lines[k].place;
-            ++square.found;
-        }
-        seed = mix64(seed + 1);
-    };
-    // If squares are to be divided again, a ring of squares around the area is searched as well, because the
-    // edge of the light may lie just inside the area's border.
-    const int ring = refine ? 1 : 0, across = edge_squares + 2 * ring;
-    std::vector<Square> squares;
-    for (int y = -ring; y < edge_squares + ring; ++y) {
-        for (int x = -ring; x < edge_squares + ring; ++x)
-            squares.push_back({.begin = area.begin + size * glm::dvec2(x, y)});
+    SquareSearch by(node, pixel, rays, less);
+    SquareGrid grid(area, refine);
+    grid.search(by);
+    if (refine) {
+        grid.divide(by, [&](const Square& square) {
+            const glm::dvec2 end = square.begin + grid.side_px();
+            return std::ranges::any_of(at(pixel), [&](const Highlight& light) {
+                const double x = static_cast<double>(light.x) - pixel.second,
+                             y = static_cast<double>(light.y) - pixel.first;
+                return light.area < grid.side_px() * grid.side_px() && x >= square.begin.x && x < end.x &&
+                       y >= square.begin.y && y < end.y && square.found < rays_per_square;
+            });
+        });
     }
-    search(squares, size);
     Measured out{.area = area, .lights = {}};
     std::vector<SightLine> through;
-    const auto add = [&](const Square& square, const glm::dvec2& square_px) {
+    const auto add = [&](const Square& square, double side_px) {
         if (square.found == 0) return;
         // The light of a square is described by a smaller square around the mean of the hits. It must not
         // extend beyond the square, or light would leave the pixel.
-        const double share = static_cast<double>(square.found) / per_square;
-        const glm::dvec2 half = square_px * (std::sqrt(share) / 2),
-                         at = glm::clamp(square.at / static_cast<double>(square.found), square.begin + half,
-                                         square.begin + square_px - half);
+        const double share = static_cast<double>(square.found) / rays_per_square;
+        const glm::dvec2 half(side_px * std::sqrt(share) / 2),
+            at = glm::clamp(square.at / static_cast<double>(square.found), square.begin + half,
+                            square.begin + side_px - half);
         const auto x = static_cast<float>(pixel.second + at.x), y = static_cast<float>(pixel.first + at.y);
         Highlight light = nearest(area.recorded, x, y);
         light.x = x;
         light.y = y;
-        const double px2_per_ray = square_px.x * square_px.y / per_square;
-        light.area = static_cast<float>(square.found * px2_per_ray);
-        for (std::size_t c = 0; c < 3; ++c) light.rgb[c] = square.rgb[c] * static_cast<float>(px2_per_ray);
+        const auto px2_per_ray = static_cast<float>(side_px * side_px / rays_per_square);
+        light.area = static_cast<float>(square.found) * px2_per_ray;
+        for (std::size_t c = 0; c < 3; ++c) light.rgb[c] = square.rgb[c] * px2_per_ray;
         out.lights.push_back(light);
         through.push_back(line_through({x, y}));
     };
-    const auto found_at = [&](int x, int y) {
-        return squares[static_cast<std::size_t>(y * across + x)].found;
-    };
-    std::vector<Square> divided;
-    for (int y = 0; y < across; ++y) {
-        for (int x = 0; x < across; ++x) {
-            const bool is_left = x < ring, is_right = x >= edge_squares + ring, is_top = y < ring,
-                       is_bottom = y >= edge_squares + ring;
-            const Square& square = squares[static_cast<std::size_t>(y * across + x)];
-            if (square.found > 0) {
-                out.low = out.low || glm::bvec2(x <= ring, y <= ring);
-                out.high = out.high || glm::bvec2(is_right || x + 1 == edge_squares + ring,
-                                                  is_bottom || y + 1 == edge_squares + ring);
-            }
-            if (is_left || is_right || is_top || is_bottom) continue;
-            bool is_edge = false;
-            for (int dy = -1; dy <= 1 && refine; ++dy) {
-                for (int dx = -1; dx <= 1; ++dx)
-                    is_edge = is_edge || found_at(x + dx, y + dy) != square.found;
-            }
-            if (!(is_edge || (refine && square.found % per_square != 0))) {
-                add(square, size);
-                continue;
-            }
-            for (int i = 0; i < area.divided * area.divided; ++i)
-                divided.push_back(
-                    {.begin = square.begin + size / static_cast<double>(area.divided) *
-                                                 glm::dvec2(i % area.divided, i / area.divided)});
+    for (int y = 0; y < grid.size().y; ++y) {
+        for (int x = 0; x < grid.size().x; ++x) {
+            if (grid.divided(x, y).empty()) add(grid.at(x, y), grid.side_px());
+            for (const Square& square : grid.divided(x, y)) add(square, grid.side_px() / area.divided);
         }
     }
-    if (!divided.empty()) {
-        search(divided, size / static_cast<double>(area.divided));
-        for (const Square& square : divided) add(square, size / static_cast<double>(area.divided));
-    }
+    out.low = {grid.touches(0, -1), grid.touches(1, -1)};
+    out.high = {grid.touches(0, 1), grid.touches(1, 1)};
     measure_slopes(out.lights, through, node, rays);
     return out;
 }
@@ -356,7 +491,7 @@ std::vector<EdgeArea> continued(const Measured& m) {
         if (m.low[axis]) larger.begin[axis] = std::max(larger.begin[axis] - by[axis], 0.0);
         if (m.high[axis]) larger.end[axis] = std::min(larger.end[axis] + by[axis], 1.0);
     }
-    if (larger.begin != m.area.begin || larger.end != m.area.end) out.push_back(larger);
+    if (larger.begin != m.area.begin || larger.end != m.area.end) out.push_back(larger.in_squares());
     const auto crosses = [&](int axis, int to) {
         return to == 0 ||
                (to < 0 ? m.low[axis] && m.area.begin[axis] == 0 : m.high[axis] && m.area.end[axis] == 1);
@@ -392,8 +527,9 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
     std::vector<Edge> edges;
     std::size_t pixels = 0, extra_rays = 0;
     const auto extra_rays_of = [](const EdgeArea& area) {
-        return area.divided > 1 ? rays_per_division * static_cast<std::size_t>(area.divided * area.divided)
-                                : 0;
+        return area.divided > 1
+                   ? ring_rays + rays_per_division * static_cast<std::size_t>(area.divided * area.divided)
+                   : 0;
     };
     for (auto first = mesh.highlights.begin(); first != mesh.highlights.end();) {
         const auto last = std::find_if(first, mesh.highlights.end(), [&](const Highlight& light) {
@@ -409,9 +545,15 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
                                       static_cast<std::size_t>(most_measured_share *
                                                                static_cast<double>(mesh.fine.size()))),
                       most_rays = most * coarse_rays;
-    if (pixels > most) return;
     const auto rays_in_all = [&](bool refine) { return pixels * coarse_rays + (refine ? extra_rays : 0); };
     const bool refine = rays_in_all(true) <= most_rays;
+    if (!refine) {
+        // Without a second division, the records are more precise where they are closer together than the
+        // rays.
+        for (Edge& edge : edges)
+            pixels -= std::erase_if(edge.areas, [](const EdgeArea& area) { return area.has_fine_records; });
+    }
+    if (pixels > most) return;
     // Traced rays search pixels for highlights, in several rounds. If a highlight touches the border of its
     // pixel, the next round also searches the neighbouring pixel. A narrow highlight may continue there,
     // although the file has no sample of it.
