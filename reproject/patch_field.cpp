@@ -8,6 +8,7 @@
 #include "core/progress.h"
 #include "core/threads.h"
 #include "reproject/patches/border_reach.h"
+#include "reproject/patches/extra_rays.h"
 #include "reproject/patches/highlight_rays.h"
 #include "reproject/patches/motion_marks.h"
 #include "reproject/patches/patch_raster.h"
@@ -38,6 +39,8 @@ struct Workplace {
     std::vector<double> light;
     MotionMarks::Touched touched{};
     RaySamples rays;
+    ExtraRays extra;
+    LightSums of_extra{};
     CheckedSamples checked;
     CheckedHighlights checked_highlights;
 };
@@ -161,6 +164,8 @@ class Field {
             set.lights->add(w.views, w.light);
         }
         if (set.rays != nullptr) w.rays.trace(set);
+        fill_pixels(at, w.of_extra, {});
+        if (set.extra_rays) w.extra.trace(field_, set, at, w.rays.left, w.of_extra);
         if (set.checked) {
             w.checked.check(set);
             const auto copy = [&](const auto& from, auto& to) {
@@ -401,7 +406,7 @@ class Field {
                 }
                 float* rgb = out.image.pixel(x0 + x, y0 + y);
                 for (std::size_t c = 0; c < 3; ++c) {
-                    rgb[c] = static_cast<float>(sum[c] / known);
+                    rgb[c] = static_cast<float>((sum[c] + w.of_extra[k][c]) / (known + w.of_extra[k][3]));
                     if (lights) rgb[c] += static_cast<float>(w.light[Lights::values * k + c]);
                 }
                 if (lights) out.light_square[p] = static_cast<float>(w.light[Lights::values * k + 3]);

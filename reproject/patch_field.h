@@ -84,6 +84,12 @@ struct PatchViews {
     /// function is empty, rays replace only the samples that the recorded surfaces do not determine, for
     /// instance at edges (LeftToRays::unsure).
     std::function<LeftToRays(int x, int y)> left_to_rays;
+    /// Optional: returns how many rays per view are traced in pixel (x, y) in addition to the view samples.
+    /// If the function is empty, none are. Requires `rays`, and views without vignetting.
+    std::function<int(int x, int y)> extra_rays;
+    /// The additional rays of a pixel, without its position: extra_lines[n][i] is number n of view i. Those
+    /// with the same n are an independent set of lens points, positions in the pixel and instants.
+    std::vector<std::vector<SightLine>> extra_lines;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
     /// Optional: selects views in which the recorded colour of pixel (x, y) is compared with a traced ray, to
     /// measure the error of this colour. The indices of these views in the vector `views` of this set are

@@ -71,7 +71,6 @@ void BrightEdges::add(const SheetMesh& mesh, const HighlightRule& rule, const Pa
                 rays = std::max(rays, static_cast<std::uint8_t>(b.rays));
             }
         }
-        any_ = true;
     }
 }
 
@@ -79,8 +78,10 @@ void BrightEdges::limit() {
     double sum = 0;
     for (const std::uint8_t rays : rays_) sum += rays;
     const double most = most_per_pixel * static_cast<double>(rays_.size());
-    if (sum <= most) return;
-    for (std::uint8_t& rays : rays_) rays = static_cast<std::uint8_t>(rays * (most / sum));
+    if (sum > most) {
+        for (std::uint8_t& rays : rays_) rays = static_cast<std::uint8_t>(rays * (most / sum));
+    }
+    for (const std::uint8_t rays : rays_) most_ = std::max<int>(most_, rays);
 }
 
 }  // namespace postlens

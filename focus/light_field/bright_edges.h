@@ -33,7 +33,8 @@ class BrightEdges {
         const RasterWindow& r = recorded_;
         return x < r.x_begin || x >= r.x_end || y < r.y_begin || y >= r.y_end ? 0 : rays_[index(x, y)];
     }
-    [[nodiscard]] bool any() const { return any_; }
+    /// Returns the largest number of additional rays of a pixel.
+    [[nodiscard]] int most() const { return most_; }
 
   private:
     [[nodiscard]] std::size_t index(int x, int y) const {
@@ -44,7 +45,7 @@ class BrightEdges {
 
     RasterWindow recorded_{};
     std::vector<std::uint8_t> rays_;
-    bool any_ = false;
+    int most_ = 0;
 };
 
 }  // namespace postlens

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/threads.h"
+#include "focus/light_field/bright_edges.h"
 #include "focus/light_field/field_highlights.h"
 #include "focus/light_field/field_surfaces.h"
 #include "focus/light_field/highlights_with_rays.h"
@@ -103,6 +104,23 @@ bool has_gaps(const PatchPicture& seen, std::size_t number, std::span<const Fiel
     return found;
 }
 
+/// Returns number `n`, from 1, of the additional rays of each view in `views`, without their pixel.
+std::vector<SightLine> lines_of(const Aperture& aperture, const FocusGeometry& geometry,
+                                const FieldViews& views, int n) {
+    // The sets of additional rays must be independent of those of the views, whose numbers are small.
+    const int set = views.set + (n << 16);
+    std::vector<SightLine> out;
+    for (const LensViewPoint& point : lens_view_points(aperture, geometry, views.count, set, views.first)) {
+        out.push_back(
+            {.place = point.place,
+             .lens = point.lens,
+             .light_before = point.light_before,
+             .set = static_cast<std::uint32_t>(set),
+             .view = static_cast<std::uint32_t>(views.first) + static_cast<std::uint32_t>(out.size())});
+    }
+    return out;
+}
+
 FieldFocus finished(PatchPicture seen, const std::optional<OneSurface>& simple, bool fill) {
     FieldFocus out{std::move(seen), {}};
     const auto width = static_cast<std::size_t>(out.image.width);
@@ -128,7 +146,8 @@ struct FieldFocuser::Prepared {
     bool moves = false;
     PatchLens lens;
     HighlightRule rule;
-    LightElsewhere less;  ///< radiance of the highlights, which rays leave out
+    LightElsewhere less;       ///< radiance of the highlights, which rays leave out
+    BrightEdges bright_edges;  ///< empty without rays
     std::optional<HighlightMotion> highlight_motion;
     [[nodiscard]] const HighlightMotion* moving() const {
         return highlight_motion ? &*highlight_motion : nullptr;
@@ -194,13 +213,17 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
         return;
     }
     p.all.emplace();
+    p.bright_edges = BrightEdges({file.x_begin(), file.x_end(), file.y_begin(), file.y_end()});
     for (std::size_t i = 0; i < instants; ++i) {
         const std::shared_ptr<TreeSheets> sheets =
             frame.sheets(i, p.rule, i == 0 ? settings_.also : RecordsRead{});
-        if (settings_.rays != nullptr && p.rule.takes)
+        if (settings_.rays != nullptr && p.rule.takes) {
             p.less = leave_to_lens(*sheets, *settings_.rays, p.lens, p.moves, p.rule);
+            if (!p.moves) p.bright_edges.add(*sheets, p.rule, p.lens);
+        }
         p.all->add(sheets, p.lens);
     }
+    p.bright_edges.limit();
     p.of_all = std::make_unique<FieldHighlights>(*p.all->sheets[0], settings_.aperture, g, settings_.window,
                                                  p.moving());
 }
@@ -272,6 +295,13 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets,
         views.rays = settings_.rays;
         views.less = p.less;
         views.left_to_rays = set.left_to_rays;
+        if (p.bright_edges.most() > 0) {
+            views.extra_rays = [&edges = p.bright_edges, &window](int x, int y) {
+                return edges.rays(window.x_begin + x, window.y_begin + y);
+            };
+            for (int n = 1; n <= p.bright_edges.most(); ++n)
+                views.extra_lines.push_back(lines_of(settings_.aperture, g, set, n));
+        }
         views.checked = set.checked;
         views.aimed = set.aimed;
         views.picture = set.picture;

@@ -100,6 +100,33 @@ TEST(LightsWithRays, AlmostSharpLampsLightTheRightPixels) {
     EXPECT_GT(psnr_db, got.stated->low_db());
 }
 
+// Posts in front of lamps of radiance 100 may hide them from a part of the lens, so blur kernels do not
+// spread their light. Pixels at their edges get more rays instead.
+TEST(LightsWithRays, EdgesOfPartlyHiddenLampsGetMoreRays) {
+    SceneBuilder b;
+    for (int i = 0; i < 8; ++i) {
+        const double x = 0.3 * (i % 4 - 1.5) + 0.0093 * i, y = 0.5 * (i / 4 - 0.5) + 0.0071 * i;
+        b.add(Rectangle{dvec3(x, y, -4), dvec3(0.1, 0, 0), dvec3(0, 0.09, 0)}, glowing({100, 60, 30}));
+        b.add(Rectangle{dvec3(0.8 * x + 0.05, 0.8 * y - 0.05, -3.2), dvec3(0.1, 0, 0), dvec3(0, 0.2, 0)},
+              glowing({0.1, 0.1, 0.1}));
+    }
+    add_wall(b);
+    const Case c{"", 1.4, 5.5};
+    const TracedFrame frame(b.scene, traced_for(c));
+    HybridSettings s = hybrid_of(c, 50, 64);
+    s.scene = &b.scene;
+    const Reference truth = reference(b.scene, by_rays(c, 50, 4096, 9));
+    double gain_db = 0;  // mean over independent images
+    for (const int views : {48, 64, 80, 96}) {
+        s.focus.views = views;
+        gain_db += (encoded_psnr(hybrid_picture(frame.file(), s).focus.image, truth) -
+                    encoded_psnr(rendered(b.scene, c, 50, views, 5, true), truth)) /
+                   4;
+    }
+    // Measured: 4.5 dB, and 2.2 dB without the additional rays.
+    EXPECT_GT(gain_db, 4);
+}
+
 // A bright face whose plane almost meets the rim of the lens shows one side of the lens about nine times the
 // area that it shows the other. This displaces its light by a fifth of the CoC radius of 3.3 px.
 TEST(LightsWithRays, AFaceSeenEdgeOnShinesMoreOnOneSideOfTheLens) {
