@@ -102,7 +102,8 @@ struct RetraceOptions {
     std::optional<double> lumens_per_watt;  ///< if absent, the sample file's value
 };
 
-/// Throws Error(wrong_arguments) if a unit (metres_per_unit, lumens_per_watt) is given without a scene.
+/// Throws Error(wrong_arguments) if `metres_per_unit` or `lumens_per_watt` is given but `scene` is not. These
+/// two describe the units of the scene's file, so they have no effect without it.
 void check_units(const RetraceOptions& options);
 
 /// Options for reading an image of another program.
@@ -118,7 +119,7 @@ struct ForeignOptions {
     /// name may contain a placeholder for the frame number, such as %04d. Through the pointers, the caller
     /// replaces the placeholder by the number of the frame.
     [[nodiscard]] std::vector<std::string*> files();
-    /// Returns true if a pixel may have several samples at different depths, which must be composited.
+    /// Returns true if a pixel may have to be composited from several samples at different depths.
     [[nodiscard]] bool stacks() const {
         return !behind.empty() || !objects.holdouts.empty() || !objects.sharp.empty() ||
                !objects.offsets.empty() || matte || passes.any();
@@ -158,9 +159,8 @@ struct MergeOptions {
     std::vector<std::string> parts;
     std::string output;
     bool partial = false;
-    /// Runs the command line `words`. `merge` needs this if several machines divided the items of a command
-    /// (--share), for example the images of `sweep`. It then runs the same command once more. In this run,
-    /// `join` states that the machines' result files are joined and nothing is computed.
+    /// Runs the command line `words`, by which several machines made the result files in `parts`, once more.
+    /// With `join`, this run computes nothing. It only joins the results of the machines.
     std::function<CommandResult(std::vector<std::string> words, Join join)> run_words;
 };
 
@@ -240,11 +240,11 @@ struct CompareCommandOptions {
     std::optional<Crop> crop;                      ///< part of the images that is compared
     std::optional<double> flip_white;
     CompareLimits limits;
-    /// `map_causes` is an output image that shows the cause of each pixel's error. `frame` is the sample file
-    /// from which the tested image was made.
+    /// `map_causes` names an output image that shows the cause of each pixel's error. `frame` names the
+    /// sample file from which the tested image was made, which is needed for this.
     std::optional<std::string> map_causes, frame;
-    /// Names the scene from which the sample file `frame` was traced. If it is given, rays are traced in this
-    /// scene, because they help to find the causes of the tested image's errors.
+    /// The scene from which the sample file `frame` was traced. If its file is named here, rays are traced in
+    /// the scene, because they help to find the causes of errors in the image that `compare` tests.
     RetraceOptions retrace;
     ExposureOption exposure;  ///< if absent, the exposure of the reference
     LensOptions lens;         ///< lens with which the image was made, for the map of error causes
@@ -278,9 +278,9 @@ void refuse_foreign_options(const ForeignOptions& options, const std::string& in
 [[nodiscard]] inline Damage damage_rule(bool salvage) {
     return salvage ? Damage::salvage : Damage::refuse;
 }
-/// Opens the sample file `input` and returns it. Colours are read at the given exposure, in stops. If `kept`
-/// is not null, it holds this file as an earlier command opened it, and is used instead of opening the file
-/// once more.
+/// Opens the sample file `input` and returns it. Colours are read at the given exposure, in stops. An earlier
+/// command may have opened the file already and kept it in memory, in `kept`. If `kept` is not null, it is
+/// used instead of opening the file again.
 [[nodiscard]] std::shared_ptr<OpenFrame> open_frame(const std::string& input,
                                                     const std::shared_ptr<KeptFrame>& kept,
                                                     const std::optional<double>& exposure_stops,
@@ -323,7 +323,7 @@ void check_sufficient(const SampleHeader& header, const Exposure& exposure, std:
 /// Makes an image by the method hybrid: reprojects the samples of the sample file to many lens points, and
 /// averages the resulting views. If `retrace` names a scene, rays into this scene supply what the file does
 /// not contain. `picture` is the path of the output image. Throws if the scene refers to this file, because
-/// writing the image would overwrite it.
+/// it would be overwritten.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
                                       const RetraceOptions& retrace, const std::string& picture,
                                       CommandResult& out);

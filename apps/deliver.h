@@ -24,8 +24,8 @@ struct Delivery {
 /// command's result `out`. Also adds the image's crop, exposure and warnings to `out` (report_picture).
 void deliver(Image image, const Delivery& to, CommandResult& out);
 
-/// Adds the crop and the exposure of an image to the result. Warns if the image is too bright or too dark for
-/// a PNG, TIFF or JPEG file.
+/// Adds the crop and the exposure of the image `image` to the command's result `out`. If `output` is a PNG,
+/// TIFF or JPEG file, warns if the image is too bright or too dark for it.
 void report_picture(const Image& image, const std::string& output, const std::optional<Crop>& crop,
                     CommandResult& out);
 

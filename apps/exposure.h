@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// Returns the exposure, in stops, at which the sample file `path` is read. `asked` is the option --exposure.
-/// If its value is `auto`, the exposure is computed from the file. If it is absent, the result is empty, and
-/// the file is read at the exposure that is stored in it.
+/// Returns the exposure, in stops, that the option --exposure (`asked`) states for the sample file `path`. If
+/// its value is `auto`, the exposure is computed from the file. If the option is absent, the result is empty,
+/// and the exposure stored in the file applies.
 [[nodiscard]] std::optional<double> exposure_of_samples(const ExposureOption& asked,
                                                         const std::filesystem::path& path, Damage damage);
 

@@ -19,7 +19,8 @@ using postlens::CommandResult;
 using postlens::ExitCode;
 using postlens::ParsedCommand;
 
-/// Writes a text and ends the line. `check_output` later reports errors of standard output.
+/// Writes `text` to the stream `where`, and ends the line. Errors of writing are not detected here, but by
+/// check_output at the end of the program.
 void say(std::FILE* where, const std::string& text) {
     if (text.empty()) return;
     std::fputs(text.c_str(), where);

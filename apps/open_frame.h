@@ -12,8 +12,8 @@
 namespace postlens {
 
 struct OpenFrame {
-    /// Opens the sample file. If `many` is true, all its records are kept in memory, so that many images can
-    /// be made quickly.
+    /// Opens the sample file `path`. If `many` is true, all records are kept in memory, so that many images
+    /// can be made quickly.
     OpenFrame(const std::string& path, Damage damage, std::optional<double> exposure_stops, bool many)
         : file(path, damage, exposure_stops), frame(file, many) {}
     SampleFileReader file;

@@ -15,8 +15,8 @@ namespace postlens {
 [[nodiscard]] CommandResult run_timed(const ParsedCommand& command);
 
 /// Parses `words`, the arguments after the name of the program, and runs the command (run_timed).
-/// `in_process.kept` is a sample file that stays open between calls. Only one call at a time can use it, so
-/// this function first waits until other calls no longer use it.
+/// `in_process.kept` may contain an open sample file, which several calls share. Only one of them at a time
+/// can use it, so this call first waits until no other uses it.
 [[nodiscard]] CommandResult run_command(std::vector<std::string> words, const InProcess& in_process);
 
 /// Returns the JSON text that `--json` prints: the result, the peak memory of the process, and the warnings.

@@ -8,8 +8,7 @@ namespace postlens {
 namespace {
 
 // Returns a unit of the scene (metres per unit or lumens per watt). It is the user's value `asked`, else the
-// value `of_trace` stored in the sample file, else 1. Throws if both are given and differ, because
-// new rays would then hit surfaces that do not match those recorded in the file.
+// value `of_trace` stored in the sample file, else 1. Throws if both are given and differ.
 double unit_of(const char* option, const std::optional<double>& asked,
                const std::optional<double>& of_trace) {
     if (asked && of_trace && *asked != *of_trace) {
@@ -33,7 +32,8 @@ Scene read_scene_of_command(const std::string& path, const SceneReadOptions& uni
 Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                          const std::optional<double>& lumens_per_watt, const SampleFileReader& file,
                          const std::vector<std::filesystem::path>& written, CommandResult& out) {
-    // Old sample files do not state metres per unit and lumens per watt. Both values were 1.
+    // Reads the scene with the same units as the sample file. Old sample files do not state metres per unit
+    // and lumens per watt. They were made with 1 for each of these, so unit_of uses 1.
     const SampleHeader& h = file.header();
     Scene scene = read_scene_of_command(
         path,

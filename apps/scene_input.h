@@ -16,9 +16,9 @@ namespace postlens {
                                           const std::vector<std::filesystem::path>& written,
                                           CommandResult& out);
 
-/// Reads the scene from which the sample file `file` was traced, at the exposure of this file. Throws
-/// Error(wrong_arguments) if the user states metres per unit or lumens per watt and the value differs from
-/// that in the file. Also throws the errors of read_scene_of_command.
+/// Reads the scene from which the sample file `file` was traced, and scales its light to the exposure at
+/// which this file is read. Throws Error(wrong_arguments) if `metres_per_unit` or `lumens_per_watt` is given
+/// and differs from the value in the file. Also throws the errors of read_scene_of_command.
 [[nodiscard]] Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                                        const std::optional<double>& lumens_per_watt,
                                        const SampleFileReader& file,

@@ -22,13 +22,13 @@ inline constexpr int most_shares = 100000;
     return index >= 0 && index < count && count <= most_shares;
 }
 
-/// Parses a share I/N, where N is at most 100000 and I is from 0 to N - 1. Throws Error(wrong_arguments),
-/// which names the option.
+/// Parses the value I/N of the option `option`, which means the I-th of N shares of the work. N is at most
+/// 100000, and I is from 0 to N - 1. Throws Error(wrong_arguments), which names the option.
 [[nodiscard]] Share parse_share(std::string_view option, std::string_view text);
 
-/// Returns the rows of the image that form a share of the work. They are a part of `crop`, or of the whole
-/// image of size `width` x `height` if there is no crop. All shares have equally many rows, or differ by one
-/// row. Throws Error(wrong_arguments) if there are more shares than rows.
+/// Returns the rows of the image that form a share of the work. They are part of `crop`, or of the whole
+/// image (`width` x `height`) if there is no crop. The shares have equally many rows, or differ by one row.
+/// Throws Error(wrong_arguments) if there are more shares than rows.
 [[nodiscard]] Crop rows_of_share(const Share& share, const std::optional<Crop>& crop, int width, int height);
 
 /// The options and input files that determine the result of a command.
@@ -52,14 +52,14 @@ struct AskedFor {
         const std::function<std::string(const Input&)>& file_of = {}) const;
 };
 
-/// Stores the SHA-256 hash of the scene at `path`, which was already read. The fingerprint of a command
-/// (AskedFor::fingerprint) contains the hashes of all its input files. With the stored hash, it need not read
-/// the scene once more.
+/// Stores the SHA-256 hash of the scene at `path`, which was already read. Later, AskedFor::fingerprint needs
+/// the hashes of all input files of the command. It then uses the stored hash and need not read the scene
+/// again.
 void remember_digest(const std::string& path, const Scene& scene);
 
-/// Returns the mark of a result file, if several machines divide a command (--share). The mark is JSON that
-/// is stored in this file. It contains this machine's share, the crop of the whole image, and the command's
-/// fingerprint. By the mark, `merge` recognises the file and the command to which it belongs.
+/// Returns the mark of a result file, if several machines divide a command (--share). The mark is JSON in
+/// this file, by which `merge` recognises it. It contains this machine's share, the crop of the whole image,
+/// and the command's fingerprint.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
 
 /// Returns the share (I of N) of the work whose result a file contains. `mark` is the JSON that mark_of
@@ -67,15 +67,14 @@ void remember_digest(const std::string& path, const Scene& scene);
 /// file is damaged.
 [[nodiscard]] std::optional<Share> share_of_mark(const std::string& mark);
 
-/// Returns JSON that is stored in a result file if several machines divide the images of a sweep or the
-/// points of a chart. By this mark, `merge` recognises the file. The mark contains this machine's share, the
-/// command's fingerprint (mark_of) and the command-line arguments `words`. With these arguments, `merge` runs
-/// the command again to join the results.
+/// Returns the mark of a result file (JSON stored in it), if several machines divide the images of `sweep` or
+/// the measurements of `chart`. Unlike the mark of mark_of, it also contains the command-line arguments
+/// `words`, because `merge` runs the command again to join the results.
 [[nodiscard]] std::string mark_of_items(const Share& share, const AskedFor& asked,
                                         const std::vector<std::string>& words);
-/// Returns the command-line arguments that mark_of_items stored in `mark`. JSON must be UTF-8, but arguments
-/// may contain any bytes. Therefore, `mark` contains % and all bytes that are not ASCII as %XX, and this
-/// function converts them back. Returns nothing if `mark` contains no arguments or if they are damaged.
+/// Returns the command-line arguments that mark_of_items stored in `mark`, or nothing if they are absent or
+/// damaged. In `mark`, every % and every byte outside ASCII is written as %XX (two hexadecimal digits),
+/// because JSON must be UTF-8.
 [[nodiscard]] std::vector<std::string> words_of_mark(const nlohmann::ordered_json& mark);
 
 /// If several machines divide the rows of an image, sets `crop` to the rows of this machine. Also sets

@@ -31,8 +31,9 @@ struct ChartFigures {
     double relmse = 0, ssim = 0, flip = 0;
 };
 
-/// A sample file that was traced for a chart. The methods that the chart compares make their images from such
-/// files. Therefore, the time of tracing the file, in seconds, is a part of the cost of these images.
+/// A sample file that was traced for a chart, which compares the errors and times of several methods. Most
+/// methods make their images from such a file. Therefore, their cost includes the time of tracing the file,
+/// `seconds`.
 struct ChartTrace {
     std::string name;
     std::vector<double> seconds;  ///< one value per round
@@ -41,15 +42,17 @@ struct ChartTrace {
 };
 
 struct ChartPoint {
-    /// Name of the curve in the plots: the method and the sample file. The most detailed sample file is not
-    /// named.
+    /// Name of the point's curve in the plots, for example "lightfield, coarse": the method, and the sample
+    /// file from which the images are made. For the most detailed sample file, which is the usual one, only
+    /// the method is named.
     std::string curve;
     std::string name;             ///< unique name: curve and amount
     int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting
     std::string trace;            ///< name of the sample file; empty for rays
     std::vector<double> seconds;  ///< one value per round; the trace is not included
-    /// Seconds per image if one command makes several images (a sweep): the first image (including reading
-    /// the file), and each further one. Empty if not timed.
+    /// Time per image, in seconds, if one command makes several images from the sample file (a sweep).
+    /// `first_of_many_s` is the time of the first image, including reading the file. `further_s` is the time
+    /// of each further image. Both are empty if not timed.
     std::vector<double> first_of_many_s, further_s;
     std::optional<ChartFigures> figures;
     double retraced_share = 0;
@@ -69,7 +72,8 @@ struct ChartData {
     nlohmann::ordered_json about;  ///< scene, lens, machine, versions
     double affected_share = 0;
     std::optional<double> noise_rms;  ///< RMS noise of one reference, sRGB-encoded
-    /// Error of the sample file's pinhole image against a ray-traced pinhole image.
+    /// Error of the pinhole image that is made from the sample file, against a ray-traced pinhole image.
+    /// Neither image is blurred, so this is the error of the file's samples alone.
     std::optional<ChartError> record_floor;
     double pinhole_psnr_db = 0;
     double reference_s = 0;

@@ -12,8 +12,9 @@ constexpr const char* best_records = "records";
 constexpr const char* visible_records = "visible only";
 constexpr const char* coarse_records = "coarse";
 
-// Plans three sample files: with the best settings, without hidden surfaces, and with pixels subdivided only
-// once. Their errors show what hidden surfaces and subdivision contribute.
+// Plans the three sample files of a chart: with the best settings, without hidden surfaces, and with pixels
+// subdivided only once. The images made from these files have different errors. The comparison shows how much
+// hidden surfaces and further subdivision improve an image.
 std::vector<PlannedTrace> traces_of(const ChartRequest& request, const ChartView& view) {
     const TraceSettings best = best_trace(request, view);
     TraceSettings visible = best, coarse = best;
@@ -50,8 +51,9 @@ void add_focus(const ChartRequest& request, Points& out) {
         for (const int m : request.views)
             out.add(Kind::focus, "lightfield", "M", m, trace, FocusMethod::lightfield);
     }
-    // Adds the method hybrid, with each number of views. It uses the sample file with the fewest samples,
-    // because that file suffices: where data are missing in the file, the method itself traces rays.
+    // Adds the method hybrid, once for each number of views (images seen from single lens points) that the
+    // chart compares. It uses the sample file with the fewest samples. That file suffices, because the method
+    // itself traces rays where data are missing in the file.
     for (const int m : request.views)
         out.add(Kind::focus, "hybrid", "M", m, coarse_records, FocusMethod::hybrid);
 }

@@ -55,15 +55,15 @@ struct ChartPlan {
 /// blurred, that is, if the f-number is infinite and there is no shutter.
 [[nodiscard]] ChartView chart_view(const ChartRequest& request, const Scene& scene);
 
-/// Returns settings for a sample file that contains every surface visible from the lens while the shutter is
-/// open.
+/// Returns settings for tracing the most complete sample file of a chart. It contains every surface that is
+/// visible from the lens while the shutter is open.
 [[nodiscard]] TraceSettings best_trace(const ChartRequest& request, const ChartView& view);
 
 [[nodiscard]] ChartPlan chart_plan(const ChartRequest& request, const ChartView& view);
 
-/// Returns settings with which `render` makes the reference of a chart by distributed ray tracing. They
-/// contain the scene, camera, lens and shutter of `request` and `view`. The caller must add the number of
-/// samples per pixel (`spp`), the seed and `halves`.
+/// Returns settings with which `render` makes the reference image of a chart (comparison of methods) by
+/// distributed ray tracing. The caller must add the number of samples per pixel (`spp`), the seed, and
+/// `halves`, by which two images are also made from independent halves of the samples.
 [[nodiscard]] RenderSettings render_settings(const ChartRequest& request, const ChartView& view);
 
 }  // namespace postlens

@@ -14,10 +14,9 @@ namespace postlens {
 /// With `affected`, it shows the errors of the pixels that blur affects.
 [[nodiscard]] std::string speed_accuracy_script(const ChartData& data, bool affected);
 
-/// Returns a gnuplot script that plots the error of each method against its cost per image. The cost includes
-/// a part of the time of tracing the sample file: all, a tenth or a hundredth of it, if 1, 10 or 100 images
-/// are made from the file. Only the methods that no other method beats in both error and cost are plotted,
-/// and ray tracing for comparison.
+/// Returns a gnuplot script that plots the error of each method against its cost, the time per image. This
+/// includes the time of tracing the sample file, divided by the number of images that are made from it: 1, 10
+/// or 100. Methods that are beaten in both error and cost are omitted, except distributed ray tracing.
 [[nodiscard]] std::string cost_script(const ChartData& data);
 
 }  // namespace postlens

@@ -46,10 +46,9 @@ struct ChartRequest {
     double once_above_s = 20;
     bool plots = true;  ///< draw SVG and PNG plots with gnuplot
 
-    /// Share of this machine, if N machines divide the measurements of a chart. A chart measures several
-    /// points, each of which is a method with its settings. Machine I measures every N-th point, and writes
-    /// chart.I-of-N.json. A later run for all points in the same folder takes the measurements from these
-    /// files.
+    /// Share of this machine, if N machines divide the measurements of a chart. Machine I measures every N-th
+    /// point (method with its settings), and writes chart.I-of-N.json. Afterwards, a run without a share in
+    /// the same folder makes the chart from these files.
     std::optional<Share> share;
     std::string part;      ///< JSON that the chart of a share stores under the key "part"; may be empty
     Join join = Join::no;  ///< if not `no`, no point is measured

@@ -67,9 +67,9 @@ Scene exposed_scene(const ChartRequest& r) {
     return scene;
 }
 
-/// Returns the points of the chart that this machine measures, and the sample files from which their images
-/// are made. A point is a method with its settings. If N machines divide the work, each measures every N-th
-/// point. The first sample file is always included, because the pinhole image is made from it.
+/// Returns the points of a chart (methods with their settings) that this machine measures, and the sample
+/// files from which their images are made. If N machines divide the work (--share), each measures every N-th
+/// point.
 ChartPlan plan_of(const ChartRequest& r, const ChartView& view) {
     ChartPlan all = chart_plan(r, view);
     if (!r.share) return all;
@@ -77,6 +77,7 @@ ChartPlan plan_of(const ChartRequest& r, const ChartView& view) {
         fail(ExitCode::wrong_arguments, "--share: more shares than points (got {}; expected {} or less)",
              r.share->count, all.points.size());
     }
+    // The first sample file is always included, because the pinhole image is made from it.
     ChartPlan out;
     for (std::size_t i = 0; i < all.points.size(); ++i)
         if (r.share->has(i)) out.points.push_back(all.points[i]);
@@ -103,8 +104,9 @@ class Runner {
         std::uint64_t steps = 3;
         steps += static_cast<std::uint64_t>(request_.rounds) * (plan_.traces.size() + plan_.points.size());
         Progress progress("chart", steps);
-        // Traces the scene into the sample files first, because all images are made from them. The pinhole
-        // image, for example, is needed to find the pixels that blur changes.
+        // First makes the sample files, by tracing the scene, because most images are made from them. Even
+        // `references` below needs one: it makes a pinhole image from it, to find the pixels that blur
+        // changes. If this run only joins earlier measurements, it checks that these are complete instead.
         if (request_.join == Join::no)
             for (std::size_t t = 0; t < plan_.traces.size(); ++t) measure_trace(t, 0);
         else
@@ -144,10 +146,9 @@ class Runner {
                 other_machine_ = take_over_chart(path, key, path == chart_path(), data_) || other_machine_;
             for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
         }
-        // Removes the images of an earlier chart that would no longer fit. If `data_.key` is empty, no
-        // measurements of an earlier chart are continued. But if several machines divide the measurements,
-        // they may all write to this folder, so an image in it may come from another run. Therefore, images
-        // are removed only if the measurements are not divided (no share and no join).
+        // Deletes the images that an earlier run of `chart` left in the folder (`own_pictures`), because they
+        // may differ from those of this run. They are kept if this run continues the earlier run's
+        // measurements, or if another machine that shares the work may have made them.
         if (data_.key.empty() && !request_.share && request_.join == Join::no) {
             std::error_code none;
             for (const char* name : own_pictures) fs::remove(folder_ / name, none);
@@ -218,9 +219,8 @@ class Runner {
         save();
     }
 
-    // Returns the path of the sample file `name`. An earlier run may have measured the time of tracing this
-    // file, and then, when it finished, removed the file. In this case, the file is traced again, because the
-    // caller needs its records.
+    // Returns the path of the sample file `name`. If the file does not exist, it is traced first. This
+    // happens if this run continues an earlier one, because a run deletes its sample files when it finishes.
     fs::path frame(const std::string& name) {
         fs::path path = frame_path(name);
         for (std::size_t t = 0; t < data_.traces.size(); ++t) {
@@ -263,8 +263,9 @@ class Runner {
         save();
     }
 
-    // Returns the error of the sample file's pinhole image against a ray-traced one. It is not 0, because
-    // samples at the corners of pixels only approximate the mean colour of a pixel.
+    // Returns the error of the pinhole image made from the sample file, against a ray-traced pinhole image.
+    // Neither is blurred, so this error comes from the file alone: its samples at the corners of pixels only
+    // approximate the mean colour of a pixel.
     [[nodiscard]] ChartError record_floor() const {
         RenderSettings s = render_settings(request_, view_);
         s.f_number = std::numeric_limits<double>::infinity();
@@ -294,9 +295,9 @@ class Runner {
         Image image;
         std::vector<std::string> warnings;
         double retraced = 0;
-        // `seconds` is the time from opening the sample file to the finished image in memory. A method that
-        // traces rays also needs the scene. Reading the scene is not part of this time, because the scene is
-        // already in memory.
+        // Measures `seconds`, the time of one image: from opening the sample file until the finished image is
+        // in memory. Some methods also trace rays in the scene. The scene is already in memory, so the time
+        // of reading it is not included.
         const double seconds = seconds_of([&] { image = pictures_.picture(p, path, retraced, warnings); });
         if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
         if (!p.trace.empty() && p.kind != PlannedPoint::Kind::motionblur && p.focus != FocusMethod::pinhole &&
@@ -313,13 +314,14 @@ class Runner {
         save();
     }
 
-    // Measures the time of the first image and of a further image from one open sample file, because a
-    // further image takes less time. This is as in a sweep, where many images with different lenses are made
-    // from one file. Therefore, the f-numbers of the two images differ too, by 1/6 stop.
+    // Measures the time of the first image and of a further image that are made from one open sample file.
+    // The further image takes less time, because some data are kept.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;
         ThinLens stopped_down = view_.lens;
+        // The f-numbers of the two images differ by 1/6 stop, because a sweep makes images with different
+        // lenses.
         stopped_down.f_number *= std::exp2(1.0 / 12);
         const SampleFileReader file(path);
         FocusFrame frame(file, true);

@@ -16,8 +16,9 @@ struct ChartRun {
     std::vector<std::string> missing;  ///< with Join::partial: names of points that are left out
 };
 
-/// Measures a chart and stores it in `folder`, which is created if its parent exists. Earlier results of the
-/// same request are kept. If the folder contains another request's chart, `restart` must be set.
+/// Makes a chart, which compares the error and the time of several methods for one scene, in `folder`. The
+/// folder is created if its parent exists. Earlier measurements of the same request are kept. If the folder
+/// contains another request's chart, `restart` must be set.
 ///
 /// Throws Error(interrupted); finished measurements remain. Also throws Error(wrong_arguments),
 /// Error(invalid_input), Error(cannot_write) and Error(out_of_memory).

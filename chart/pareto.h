@@ -17,8 +17,9 @@ struct CostError {
 /// Points that are not finite are omitted. Of equal points, the first is returned.
 [[nodiscard]] std::vector<std::size_t> pareto_frontier(const std::vector<CostError>& points);
 
-/// Returns the seconds at which a curve of error over seconds reaches `error`. The curve's Pareto frontier is
-/// interpolated linearly in logarithms. Returns nothing outside its range.
+/// Returns the time, in seconds, after which the error of a method falls to `error`, or nothing if `error` is
+/// outside the measured range. It is interpolated on the Pareto frontier of the measurements in `curve`,
+/// linearly in the logarithms of error and time.
 [[nodiscard]] std::optional<double> seconds_for_error(const std::vector<CostError>& curve, double error);
 
 }  // namespace postlens

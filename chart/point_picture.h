@@ -20,14 +20,14 @@ class PointPictures {
     PointPictures(const ChartRequest& request, const Scene& scene, const ChartView& view)
         : request_(request), scene_(scene), view_(view) {}
 
-    /// Makes the image of the point `p`, i.e. with its method and settings, from the sample file `path`. The
-    /// method "rays" traces the scene and does not read this file. If the method may trace additional rays,
-    /// sets `retraced` to the fraction of the view samples that are rays. Otherwise, `retraced` keeps its
-    /// value.
+    /// Makes an image from the sample file `path` with the method and the settings in `p`. The method "rays"
+    /// traces the scene instead. If the method may replace view samples (pixels of single views) by traced
+    /// rays, sets `retraced` to the fraction replaced.
     [[nodiscard]] Image picture(const PlannedPoint& p, const std::filesystem::path& path, double& retraced,
                                 std::vector<std::string>& warnings) const;
-    /// Makes an image of the open sample file `frame` for the given lens, with the method and settings in
-    /// `p`. Sets `retraced` as `picture` does.
+    /// Makes an image from the open sample file `frame` for the given lens, with the method and the settings
+    /// in `p`. If the method may replace view samples (pixels of single views) by traced rays, sets
+    /// `retraced` to the fraction replaced.
     [[nodiscard]] Image focused(const PlannedPoint& p, FocusFrame& frame, const ThinLens& lens,
                                 double& retraced, std::vector<std::string>& warnings) const;
 

@@ -115,10 +115,9 @@ Comparison compare_pictures(CompareInput input) {
 }
 
 std::uint64_t comparison_bytes(ImageSize size, int pictures) {
-    // `per_pixel` is the memory of a comparison, in bytes per pixel. Each image needs 25 bytes: its linear
-    // and its encoded values (three floats each), and one byte of the mask. The comparison also needs three
-    // float maps (4 bytes each), two arrays of doubles (8 bytes each), and the file reader's buffer (12
-    // bytes).
+    // Memory of a comparison, in bytes per pixel. Each image needs 25 bytes: its linear and its encoded
+    // values (three floats each), and one byte of the mask. The rest is for three float maps, two arrays of
+    // doubles, and the file reader's buffer (12 bytes).
     const std::uint64_t per_pixel = static_cast<std::uint64_t>(pictures) * 25 + 3 * 4 + 2 * 8 + 12;
     return static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height) * per_pixel;
 }

@@ -53,9 +53,9 @@ struct Comparison {
     std::optional<double> affected_share;
     std::optional<Figures> affected;
     std::optional<PixelErrors> pinhole, pinhole_affected;  ///< errors of the pinhole image
-    // These values are set only if there are two references, from whose difference the noise is measured.
-    // `image_is_a_reference` is true if the tested image equals one of them. `references_are_equal` is true
-    // if the references are equal, and then the noise cannot be measured.
+    // The values below are set only if the tested image is compared with two references. The noise is
+    // measured from the difference between the references. So it cannot be measured if
+    // `references_are_equal`. `image_is_a_reference` is true if the tested image equals one of them.
     bool image_is_a_reference = false, references_are_equal = false;
     std::optional<NoiseFloor> noise, affected_noise;
 

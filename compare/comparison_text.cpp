@@ -31,8 +31,8 @@ std::string share_text(double share) {
     return std::isnan(share) ? "-" : fmt::format("{:.1f} %", 100 * share);
 }
 
-// Returns a sentence with three PSNRs: of the image, of the noisy reference, and of the image corrected for
-// the reference's noise.
+// Returns a sentence that states up to three PSNRs: of the image against the reference, of the noise of the
+// reference, and of the error of the image apart from this noise.
 std::string noise_sentence(const char* what, const PixelErrors& errors, const NoiseFloor& noise,
                            bool image_is_a_reference) {
     std::string text = fmt::format("{}: {}; the reference itself is good to {}", what,

@@ -12,14 +12,14 @@
 namespace postlens {
 namespace {
 
-/// A lens is fitted to a given image in two steps, a rough and a final one. Both compare the logarithmic
-/// brightness of the pixels of a computed image and of the given image. Differences above a limit count
-/// linearly instead of quadratically (Huber loss). These are the limits of the first and of the last step.
-/// The second is the noise of an image with 256 samples per pixel.
+/// Limits of the Huber loss, for fitting a lens to a given image. Errors of a pixel (in logarithmic
+/// brightness) below the limit count quadratically, and larger ones linearly. The first, rough fit uses
+/// `first_linear_from`. The last fit uses `last_linear_from`, which is the noise of an image with 256 samples
+/// per pixel.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
-/// The fit computes the image's derivative with respect to the inverse focus distance (1 / distance)
-/// numerically: it makes images with a slightly larger and a slightly smaller value. This constant is the
-/// change, as a fraction of the scene's range of inverse depths.
+/// Step of a numerical derivative, for fitting a lens to a given image. The derivative is that of the image
+/// with respect to the inverse focus distance (1 / distance). The step is a fraction of the scene's range of
+/// inverse depths.
 constexpr double focus_step = 0.03;
 /// The standard errors of the fitted lens are estimated from blocks of pixels of this width and height, in
 /// px. Residuals of the fit may be correlated within a block, but are assumed to be independent between
@@ -29,20 +29,20 @@ constexpr std::size_t block_px = 16;
 /// the image's tones (logarithmic brightness) and their median. An image with less contrast is almost
 /// uniform, so it does not show how much it is blurred.
 constexpr double least_spread = 1e-3;
-/// The fit is rejected if the best lens's error, divided by the given image's contrast, exceeds this value.
-/// Usually this ratio is about 0.1. It is almost 1 if the given image shows the scene from another viewpoint.
+/// Largest accepted error of a fit, as a fraction of the given image's contrast. Both are RMS values of
+/// logarithmic brightness. The fraction is usually about 0.1, but almost 1 if the given image shows the scene
+/// from another viewpoint.
 constexpr double most_left = 0.5;
-/// Largest accepted ratio of two errors: that of the image of the best lens, and that of the pinhole image,
-/// which is sharp. If the ratio is larger, the best lens reproduces the given image hardly better than the
-/// pinhole does. Therefore, the given image is rejected as unblurred.
+/// A given image is rejected as unblurred if the best fitting lens reproduces it hardly better than a pinhole
+/// does. The error of the best lens's image, divided by that of the sharp pinhole image, is then larger than
+/// this value.
 constexpr double least_gain = 0.8;
 /// The fit is rejected if the scene's range of inverse depths is below this fraction of the largest inverse
 /// depth. All objects then have practically the same depth.
 constexpr double least_span = 0.01;
-/// Largest standard errors with which a fitted lens is accepted. The standard error of the aperture's
-/// diameter is compared with the fraction `most_error` of the diameter. That of the inverse focus distance is
-/// compared with the fraction `most_error` of the scene's range of inverse depths. A lens that exceeds either
-/// limit is rejected.
+/// Largest accepted standard errors of a fitted lens. That of the aperture may be at most this fraction of
+/// the aperture's diameter. That of the inverse focus distance may be at most this fraction of the scene's
+/// range of inverse depths (1/nearest - 1/farthest). Otherwise, the lens is rejected.
 constexpr double most_error = 0.2;
 /// The fit may find several lenses that reproduce the given image almost equally well. A lens is reported in
 /// addition to the best lens if its error is less than this factor times the error of the best lens.
@@ -100,12 +100,13 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 10;
-    // Sets when the solver stops: after a step that reduces the error by less than the fraction `tolerance`
-    // of it. In the last descent, `tolerance` is 1e-4. A further step would then change the lens by far less
-    // than 0.1 %.
+    // Stops the solver after a step that reduces the error by less than the fraction `tolerance`, for example
+    // by less than 1e-4 of the error in the last, most accurate fit. A further step would then change the
+    // lens by far less than 0.1 %.
     options.function_tolerance = tolerance;
-    // Stops the solver if a full step does not lower the error. Smaller steps would not help, because the
-    // computed image changes in discrete steps.
+    // Stops the solver when a nearly full step (trust region radius of at least 1e3) no longer lowers the
+    // error. Smaller steps would not help, because the computed image changes only in discrete steps when the
+    // lens changes.
     options.initial_trust_region_radius = 1e4;
     options.min_trust_region_radius = 1e3;
     options.parameter_tolerance = 2e-5;
@@ -159,7 +160,8 @@ void refuse_one_depth() {
          "at two or more)");
 }
 
-/// Computes the standard errors of the fitted lens `out.best`. Throws if one exceeds the limit `most_error`.
+/// Computes the standard errors of the aperture and of the focus distance of the fitted lens, `out.best`.
+/// Throws if one of them exceeds the limit `most_error`.
 void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& out) {
     std::vector<double> r(residuals.size()), jacobian(2 * residuals.size());
     residuals.at(out.best.place, r.data(), last_linear_from);
@@ -191,7 +193,7 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
     const double error_a = std::sqrt(var_a), error_b = std::sqrt(var_b);
     // Rejects the fit if the image does not determine the lens. If the determinant of the fit's normal matrix
     // is small, a change of the aperture and a change of the focus distance have the same effect on the
-    // image. So the two cannot be determined separately, for example because all objects have the same depth.
+    // image. So the two cannot be determined separately.
     if (!(determinant > 1e-4 * aa * bb) || !(error_a < most_error) ||
         !(error_b < most_error * view.span_per_m)) {
         refuse_one_depth();
@@ -201,10 +203,10 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
     out.correlation = var_a > 0 && var_b > 0 ? cov / (error_a * error_b) : -ab / std::sqrt(aa * bb);
 }
 
-/// Fits a lens to the given image by two descents (minimisations). The first starts at the lens `from`, and
-/// the second at the first one's result. A descent compares only reliable pixels. It ignores pixels whose
-/// blur, with the lens at which it starts, crosses a depth edge or the border of the recorded pixels
-/// (reliable_pixels).
+/// Fits a lens to the given image in two descents (minimisations of the image error), beginning with the lens
+/// `from`. Each descent compares only pixels whose blur is reliable, i.e. does not cross a depth edge or the
+/// border of the recorded pixels. These depend on the lens, so they are selected again before the second
+/// descent.
 Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& from) {
     residuals.use(reliable_pixels(view.depths, view.geometry(from)));
     const Descent rough = descend(residuals, view, from, first_linear_from, 1e-2);
@@ -212,9 +214,9 @@ Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& f
     return descend(residuals, view, rough.place, last_linear_from, 1e-4);
 }
 
-/// Returns true if the lenses `a` and `b` are so similar that they count as one. The image error then has
-/// only one minimum for both. Such pairs occur because the coarse search may find several lenses near one
-/// minimum.
+/// Returns true if the lenses `a` and `b` are so similar that they count as one. Such pairs occur because the
+/// coarse search, which finds the starting points of the fit, may find several lenses near the same minimum
+/// of the image error.
 bool alike(const LensPlace& a, const LensPlace& b, double span_per_m) {
     return std::abs(std::log(a.aperture_mm / b.aperture_mm)) < 0.3 &&
            std::abs(a.inverse_focus_per_m - b.inverse_focus_per_m) < 0.1 * span_per_m;
@@ -222,8 +224,7 @@ bool alike(const LensPlace& a, const LensPlace& b, double span_per_m) {
 
 /// Selects at most `most` lenses as starting points for the fit. `matches` are the lenses that a rough search
 /// found, sorted by their rough errors. If two of them are similar, only the one with the smaller error is
-/// used. Then an accurate image is made for each selected lens. The lenses are sorted by the error of this
-/// image, and lenses with more than 1.5 times the smallest error are omitted.
+/// used.
 std::vector<RoughMatch> sifted(PictureResiduals& residuals, const View& view,
                                const std::vector<RoughMatch>& matches, int most) {
     std::vector<RoughMatch> out;
@@ -234,6 +235,8 @@ std::vector<RoughMatch> sifted(PictureResiduals& residuals, const View& view,
         if (!known) out.push_back(m);
         if (out.size() == static_cast<std::size_t>(most)) break;
     }
+    // For each selected lens, an accurate image is made. Lenses whose image has more than 1.5 times the
+    // smallest error are omitted.
     for (RoughMatch& s : out) s.error = residuals.rms_at(s.place, first_linear_from);
     std::stable_sort(out.begin(), out.end(),
                      [](const RoughMatch& a, const RoughMatch& b) { return a.error < b.error; });
@@ -271,9 +274,9 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
         sifted(residuals, view, blur_search(pinhole, picture, view.depths, file.header()), settings.starts);
     if (starts.front().error > least_gain * spread) refuse_other_view(starts.front().error, spread);
 
-    // Refuses a given image without lens blur. `sharp_error` is the error of the pinhole image, which is
-    // sharp. If the given image has lens blur, even a roughly fitted lens reproduces it better than the
-    // pinhole does.
+    // Rejects a given image without lens blur. Such an image is matched best by a sharp pinhole image, whose
+    // error is `sharp_error`. If the given image had lens blur, the best of the roughly fitted lenses,
+    // `starts.front()`, would have a smaller error.
     if (starts.front().error > sharp_error) refuse_no_blur(starts.front().error, sharp_error);
 
     std::vector<LensFromPicture> found;
@@ -296,10 +299,9 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // Sorts the fitted lenses by their errors relative to the given image. Each lens was compared with the
-    // given image in another set of pixels. So its error, `best.error`, is divided by `spread`, the contrast
-    // of the given image in the same pixels. Only then are the errors comparable. To avoid divisions, both
-    // quotients are multiplied by both contrasts.
+    // Sorts the fitted lenses by their relative errors `error` / `spread`. Here `spread` is the contrast of
+    // the given image in the pixels in which the lens was compared with it. These pixels are different for
+    // each lens, so only the relative errors are comparable.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

@@ -17,7 +17,9 @@ namespace {
 
 thread_local Job* current_job = nullptr;
 
-/// Raises TBB's limit of threads (by default one per core) to the largest number that a job needs.
+/// Raises TBB's limit for the number of threads, by default one per core, if a job needs more. Each job adds
+/// its number of threads when it begins, and removes it when it ends. The limit is the largest of these
+/// numbers.
 class WidestJob {
   public:
     void add(int threads) {
@@ -94,7 +96,8 @@ void Job::run(const std::function<void()>& work) {
         work();
         return;
     }
-    // TBB may run the lambda in another thread. JobScope tells that thread the current job.
+    // TBB may run this lambda in another thread than the caller's. Each thread stores which job it works for
+    // (`current_job`), and JobScope sets this for the lambda.
     arena_->arena.execute([&] {
         const JobScope scope(*this);
         work();

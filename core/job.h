@@ -88,8 +88,8 @@ class JobScope {
     Job* before_;
 };
 
-/// While this object exists, limits the number of threads of the calling thread's parallel loops. For this,
-/// it creates a Job with the given number of threads within the current Job.
+/// While this object exists, the parallel loops that the calling thread runs use at most `threads` threads.
+/// For this, it creates an inner job of the thread's current Job, with this number of threads.
 class ThreadLimit {
   public:
     explicit ThreadLimit(int threads) : job_({.threads = threads}), scope_(job_) {}

@@ -9,10 +9,9 @@
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(POSTLENS_NO_MULTIVERSION)
 #define POSTLENS_MULTIVERSION __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-// Stands in front of each of three definitions of one function in an anonymous namespace, one for each
-// instruction set: "default", "arch=x86-64-v3", "arch=x86-64-v4". Code below all three calls the one that
-// suits the processor; other code would call the default one. The macro is not defined where
-// POSTLENS_MULTIVERSION is empty.
+// Marks a function that is written three times in an anonymous namespace, once for each instruction set:
+// "default", "arch=x86-64-v3" and "arch=x86-64-v4". A call of this function uses the processor's version, but
+// only if the call stands below all three. A call above them would use the default version.
 #define POSTLENS_FOR_INSTRUCTION_SET(instruction_set) __attribute__((target(instruction_set)))
 #else
 #define POSTLENS_MULTIVERSION

@@ -1,6 +1,5 @@
 // Replaces the global operator new and delete of a program, so that large blocks get pages of 2 MB instead of
-// 4 KB. This avoids page faults and misses of the address cache (TLB). Debian's kernel uses such pages only
-// on request (`madvise`).
+// 4 KB. This avoids page faults and misses of the address cache (TLB).
 //
 // Blocks still come from malloc, so code that was compiled without these functions may free them. This file
 // is not part of the library, because a library must not decide how a program allocates memory.
@@ -32,8 +31,8 @@ void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 constexpr std::size_t huge_pages = std::size_t{1} << (48 - 21);
 
 /// Contains one bit for each huge page of the address space. The bit is set when request_what_follows has
-/// requested huge pages from this page on, so that it does not repeat the request. The array takes 16 MB of
-/// address space, but hardly any memory, because most of it is never written to.
+/// asked the kernel to use huge pages from this page on, so that the request is not repeated. The array takes
+/// hardly any memory, because most of it is never written to.
 std::array<std::atomic<std::uint64_t>, huge_pages / 64> reached;
 
 /// Asks the kernel for huge pages at the addresses after a block of memory, which ends at `block_end`. malloc
@@ -49,9 +48,9 @@ void request_what_follows(std::uintptr_t block_end) {
     request_huge_pages(page * huge_page_bytes, (page + 1 + pages_ahead) * huge_page_bytes);
 }
 #else
-/// In the program, this function requests huge pages for the memory after an allocated block. This version,
-/// for the library, does nothing. There, the memory after the block belongs to the program that loads the
-/// library, so the library must not change how it is paged.
+/// Does nothing. This version is for a module that another program loads, such as the Python module of
+/// postlens. The memory after an allocated block may then belong to the other program, so its pages must not
+/// be changed.
 void request_what_follows(std::uintptr_t /*block_end*/) {}
 #endif
 

@@ -1,4 +1,4 @@
-// Makes the heaps of the program grow by 64 MB at a time, instead of glibc's 128 KB. The reason is that
+// Makes the heaps of the program grow by 64 MB at a time, instead of glibc's 128 KB, because
 // core/operator_new.cpp requests huge pages (2 MB each). The kernel provides a huge page only if the heap
 // already contains the whole page when it is first written to. Memory that is reserved in advance costs
 // nothing until it is written to.

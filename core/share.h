@@ -15,9 +15,9 @@ struct Share {
     }
 };
 
-/// Several runs can divide the items of a command, such as the images of a sweep, and write their results to
-/// one folder. This setting states what a run does about items whose results are missing in the folder: it
-/// either computes them, or only joins the results of earlier runs.
+/// States what a run does about items, such as the images of a sweep, whose results are missing in the output
+/// folder. Several runs that divide the items of a command write their results to this folder. A run either
+/// computes the missing items, or only joins the existing results.
 enum class Join {
     no,      ///< computes missing items
     whole,   ///< throws an error if an item is missing

@@ -92,10 +92,9 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return unit_float(reverse_bits(owen_scramble_reversed(x, seed)));
 }
 
-/// Permutes the indices of samples randomly, so that independent choices use the Sobol points in different
-/// orders. The permutation is a nested uniform scramble: if two indices differ only in their lowest j bits,
-/// their permuted indices also differ only in their lowest j bits. Therefore, each group of 2^j consecutive
-/// samples whose first index is a multiple of 2^j stays such a group.
+/// Permutes the indices of samples randomly, so that independent random choices use the Sobol points in
+/// different orders. The permutation keeps together each group of 2^j consecutive samples that begins at a
+/// multiple of 2^j (nested uniform scramble). So each such group remains well distributed.
 template <int lanes>
 [[gnu::always_inline]] inline void shuffled(std::uint32_t seed, std::uint32_t reversed_mask, int first,
                                             std::uint32_t* index) {
@@ -117,9 +116,8 @@ template <int lanes>
 }
 
 /// Coordinates of 16 consecutive Sobol points along one dimension, with their bits reversed. The coordinate
-/// of point i is low[i] ^ high, because it is the exclusive or of a part from the low ten bits of the point's
-/// index and a part from the higher bits. The index of the first point is a multiple of 16, so all 16 points
-/// have the same part `high`.
+/// of point i is low[i] ^ high. low[i] depends on the lowest ten bits of the point's index, and `high` on the
+/// other bits. These are the same for all 16 points, because the first index is a multiple of 16.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

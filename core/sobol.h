@@ -35,19 +35,19 @@ inline constexpr int sobol_dimensions = 5;
 // five-dimensional Sobol sequence. The alternative is three sequences that are shuffled separately. With 1024
 // samples per pixel, one sequence has half the error of these.
 
-/// Computes one coordinate of several points of the five-dimensional Sobol sequence, and writes it to `u`.
-/// `dimension`, from 0 to 4, is the number of the coordinate. The points are first .. first + lanes - 1,
-/// where `lanes` is 16 or 1. The values are scrambled with `seed`. first + lanes is at most 2^20, the length
-/// of the tables.
+/// Computes coordinate number `dimension` (0 to 4) of several points of the five-dimensional Sobol sequence,
+/// scrambled with `seed`, and writes it to `u`. The points are first .. first + lanes - 1, where `lanes` is
+/// 16 or 1. first + lanes is at most 2^20, the length of the tables.
 void sobol_joint(int dimension, std::uint32_t seed, int first, int lanes, float* u);
 /// Writes all coordinates of samples first .. first + 15 of the five-dimensional sequence, scrambled with
 /// `seeds`.
 void sobol_joint_16(const std::array<std::uint32_t, sobol_dimensions>& seeds, int first,
                     const std::array<float*, sobol_dimensions>& u);
 
-/// One- and two-dimensional sample points for random choices other than the pixel position, the lens point
-/// and the time, for example for points on area lights. They come from shuffled Sobol sequences [burley2020].
-/// The functions write the points of samples first .. first + lanes - 1, where `lanes` is 16 or 1.
+/// One- and two-dimensional sample points from shuffled Sobol sequences [burley2020], for random choices
+/// other than the pixel position, the lens point and the time, such as points on area lights. The functions
+/// write the points of `lanes` consecutive samples of a pixel, beginning with sample `first`. `lanes` is 16
+/// or 1.
 class SobolPadding {
   public:
     /// `n` is the number of samples of a pixel, 1 .. 2^20. Let 2^k be the smallest power of two not less than

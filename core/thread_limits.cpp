@@ -42,8 +42,9 @@ void require_threads(int number) {
 }
 
 int library_threads() {
-    // Largest number of threads of a library. With more threads, each would have little work. In addition,
-    // some threads might not start if the memory or the number of processes is limited.
+    // Largest number of threads that a library for image files may start. With more threads, each would have
+    // too little work to be useful. In addition, some threads might not start if the memory or the number of
+    // processes is limited.
     constexpr int most = 8;
     return std::min(static_cast<int>(std::thread::hardware_concurrency()), most);
 }

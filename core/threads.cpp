@@ -29,8 +29,9 @@ void parallel_chunks(std::size_t count, std::size_t grain,
     const auto work = [&](std::size_t first_chunk) {
         const JobScope scope(job);
         for (std::size_t c = first_chunk; c < chunks; c += thread_number) {
-            // Relaxed on purpose: stronger ordering would hide races between loop iterations from
-            // ThreadSanitizer.
+            // This read is relaxed on purpose. With a stronger memory order, it would synchronise the
+            // threads. ThreadSanitizer would then regard accesses in different threads as ordered, and would
+            // miss races between them.
             if (failed.load(std::memory_order_relaxed)) return;
             try {
                 throw_if_interrupted();
@@ -108,8 +109,8 @@ void parallel_chunks(std::size_t count, std::size_t grain,
             tbb::blocked_range<std::size_t>(0, count, grain),
             [&](const tbb::blocked_range<std::size_t>& range) {
                 const JobScope scope(job);
-                // Checks for cancellation every `grain` indices, because a range from TBB can be many times
-                // longer.
+                // Checks for cancellation before every `grain` indices. One check per range would not
+                // suffice, because the ranges that TBB chooses may be many times longer than `grain`.
                 for (std::size_t begin = range.begin(); begin != range.end();) {
                     throw_if_interrupted();
                     const std::size_t end = begin + std::min(grain, range.end() - begin);
@@ -118,10 +119,9 @@ void parallel_chunks(std::size_t count, std::size_t grain,
                 }
             },
             context);
-        // This loop may run inside an outer loop. If another part of the outer loop throws, TBB also cancels
-        // this loop. But TBB reports no error here, so the caller would go on with incomplete results.
-        // Therefore, this throws an error of its own. TBB passes on only the first exception, so the user
-        // sees the real cause.
+        // Throws an error if an outer loop, in which this loop runs, has failed. TBB has then cancelled this
+        // loop too, but reports no error here, so the caller would use incomplete results. The user sees only
+        // the error of the outer loop.
         if (context.is_group_execution_cancelled()) fail(ExitCode::interrupted, "an outer loop has failed");
     });
 }

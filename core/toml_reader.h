@@ -89,8 +89,8 @@ class TomlTable {
     /// Throws if both keys are present, because they set the same value in different ways.
     void refuse_both(std::string_view a, std::string_view b) const;
 
-    /// Throws Error(invalid_input) "FILE:LINE:COLUMN: WHAT: ...", with the position of the value of `key`.
-    /// WHAT describes this table.
+    /// Throws Error(invalid_input) "FILE:LINE:COLUMN: WHAT: ...", where LINE and COLUMN are the position of
+    /// the value of `key` in the TOML file. WHAT describes the table (group of keys) that contains `key`.
     template <typename... Args>
     [[noreturn]] void fail_at(std::string_view key, fmt::format_string<Args...> format,
                               Args&&... args) const {

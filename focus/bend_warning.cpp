@@ -12,15 +12,15 @@
 namespace postlens {
 namespace {
 
-/// Tests whether a surface sample is drawn at a wrong position when it is seen from another point of the lens
-/// than the pinhole. Its position there is extrapolated linearly from the lens's centre. The error of this
-/// position is largest at the lens's rim, so it is computed there. The sample is misplaced if the error
-/// exceeds most_bend_px pixels.
+/// Tests whether a surface sample is misplaced, that is, drawn at a wrong position when it is reprojected to
+/// other lens points. Reprojection assumes that a sample moves linearly with the lens point. The error of
+/// this assumption is largest at the lens's rim, so it is computed there.
 class Misplaced {
   public:
     explicit Misplaced(const FocusGeometry& lens)
         : px_per_bend_(lens.gain_px * lens.aperture_radius_m * lens.aperture_radius_m) {}
     [[nodiscard]] bool possible(const SampleHeader& h) const { return h.has_bend && px_per_bend_ > 0; }
+    /// A sample is misplaced if its position at the lens's rim is wrong by more than most_bend_px pixels.
     [[nodiscard]] bool by_bend(float bend) const {
         return px_per_bend_ * static_cast<double>(bend) > most_bend_px;
     }
@@ -34,11 +34,10 @@ class Misplaced {
 
 /// Returns the blur radius of a surface sample, in px. The blur of a sample is an ellipse, and this radius is
 /// the root mean square of its semi-axes.
-///
-/// The matrix gain R (I / s - W) maps the unit disc (the lens) to this ellipse. I is the unit matrix, R the
-/// aperture radius, s the focus distance, and gain the film distance in px. The sample's 2x2 matrix W, in
-/// 1/m, tells how its image shifts when the lens point moves.
 double blur_px(const Record& r, const FocusGeometry& lens) {
+    // The matrix gain R (I / s - W) maps the unit disc (the lens) to the ellipse. I is the unit matrix, R the
+    // aperture radius, s the focus distance, and gain the film distance in px. W, in 1/m, tells how the
+    // sample's image shifts when the lens point moves.
     const double s = lens.inverse_focus_per_m;
     const double a = s - static_cast<double>(r.w.xx), b = static_cast<double>(r.w.xy),
                  c = static_cast<double>(r.w.yx), d = s - static_cast<double>(r.w.yy);

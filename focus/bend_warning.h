@@ -11,9 +11,9 @@
 
 namespace postlens {
 
-/// Returns a warning of the kind "nonlinear", with the share of pixels that reprojection to other lens points
-/// draws wrongly. A pixel counts if its surface is misplaced by more than half a pixel when it is reprojected
-/// to some point of the lens.
+/// Returns a warning of the kind "nonlinear". It states the share of pixels whose surface, seen in a mirror
+/// or through glass, is drawn more than half a pixel beside its true position when it is reprojected to other
+/// lens points.
 ///
 /// Returns nothing if no pixel counts, or if the file does not store reprojection errors (w_bend). If `crop`
 /// is set, only pixels within it are counted.
@@ -21,17 +21,18 @@ namespace postlens {
                                                        const std::optional<Crop>& crop = std::nullopt);
 
 /// Computes an image that shows where reprojection to other lens points misplaces light, and how much. It
-/// contains the light of each surface sample whose position is wrong by more than half a pixel for some lens
-/// point. The light of a sample is spread over a square as wide as the sample's blur.
+/// contains the light of each surface sample whose position is wrong by more than half a pixel, spread over a
+/// square as wide as the sample's blur.
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);
-    /// Adds the misplaced surface samples of the image rows [y_begin, y_end) to the image. `band` has the
-    /// records of the sample file, and must contain these rows. Add every row exactly once, from top to
-    /// bottom.
+    /// Adds the light of the misplaced surface samples in the pixel rows [y_begin, y_end) to the image that
+    /// this object computes. `band` holds the records of the sample file, and must contain these rows. Add
+    /// every row exactly once, from top to bottom.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns the image that add() has summed: for each pixel, row by row, the radiance of the misplaced
-    /// light. Returns an empty list if no light is misplaced.
+    /// Returns the image that the calls of add() have summed up. For each pixel, row by row, it contains the
+    /// radiance of the light that reprojection to some lens point draws at a wrong position. The image is
+    /// empty if there is no such light.
     [[nodiscard]] std::vector<float> picture() const;
 
   private:

@@ -44,8 +44,9 @@ BorderRadii BorderDepths::radii(const FocusGeometry& geometry, const ResponseMod
     const auto fill = [&](const std::vector<Range>& from, std::vector<float>& to) {
         std::transform(from.begin(), from.end(), to.begin(), [&](const Range& range) {
             if (range.farthest > range.nearest) return 0.0F;
-            // The blur is largest at one end of the depth range, because the signed CoC is linear in the
-            // inverse depth.
+            // `range` has the inverse depths of the nearest and the farthest surface at a pixel corner. The
+            // signed CoC is a linear function of the inverse depth, so the largest blur of all surfaces
+            // between them occurs at one of these two.
             const auto radius_px = [&](float inverse) {
                 return response.farthest_light_px(geometry.coc_diameter_px(static_cast<double>(inverse)) / 2);
             };

@@ -11,17 +11,20 @@
 
 namespace postlens {
 
-/// The depths of the surfaces along the border of the traced area. For each pixel corner at this border, the
-/// nearest and the farthest depth are kept, because the blur there is largest at one of them. Only surfaces
-/// that the pinhole sees directly count.
+/// The nearest and the farthest depth of the surfaces at each pixel corner along the border of the traced
+/// area. These two depths suffice to find the largest blur at a corner, because the blur at any depth between
+/// them is not larger. Only surfaces that the pinhole sees directly count.
 class BorderDepths {
   public:
     /// `source` is the window of the recorded pixel corners.
     explicit BorderDepths(const RasterWindow& source);
-    /// Adds the border's depths in the pixel rows [y_begin, y_end). `band` must contain these rows.
+    /// Adds the depths of surfaces along the border of the traced area, but only for the pixel rows [y_begin,
+    /// y_end). `band` holds the records, and must contain these rows. Between the first and the last row of
+    /// the area, only the leftmost and the rightmost pixel corners lie on the border.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns the largest blur radius of the surfaces at each pixel corner along the border of the traced
-    /// area, in px.
+    /// Returns, for each pixel corner along the border of the traced area, the largest blur radius of the
+    /// surfaces at this corner, in px. `geometry` has the lens and the focus. `response` tells how far the
+    /// light of a point is spread for a given CoC.
     [[nodiscard]] BorderRadii radii(const FocusGeometry& geometry, const ResponseModel& response) const;
 
   private:

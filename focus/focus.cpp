@@ -165,15 +165,18 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
             out.warnings.push_back(*std::move(warning));
     };
     if (settings.method == FocusMethod::layers) {
-        // The samples may fill 1/6 of the memory, because sorting and compositing need the rest.
+        // The method layers stores the samples (surface points with their circles of confusion) in a table
+        // before it blurs them. This table may fill a sixth of the memory limit, `splat_bytes`. The rest is
+        // needed to sort the samples and to composite the layers.
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
                    [](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
                        layers(splats, image, part);
                    });
     } else {
-        // The blurred samples may fill 1/3 of the memory limit, because blur kernels and colours need the
-        // rest.
+        // The method scatter stores the samples (surface points with their circles of confusion) in tables
+        // before it blurs them. These tables may fill a third of the memory limit. The rest is for the blur
+        // kernels and the colours of the image.
         spread_all(SplatTables(corners, window, traced, levels, settings.depth_model, response),
                    {4, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px},
                    [](const SplatTables& splats, Image& image, const std::optional<Crop>& part) {
@@ -214,8 +217,9 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
                                             "(trace with --hidden-layers and --overscan auto for this lens)",
                                             rough(100 * unknown_share))});
     }
-    // A pixel counts as affected if more than this share of its light would come from reflections or
-    // refractions that are not in the file.
+    // The second warning counts pixels in mirrors or glass for which the sample file lacks a reflection or
+    // refraction that some lens points see. A pixel counts if the missing light is more than this share of
+    // the pixel's light.
     constexpr float visible = 0.02F;
     const double below = static_cast<double>(std::count_if(unknown_below.begin(), unknown_below.end(),
                                                            [](float u) { return u > visible; })) /

@@ -31,17 +31,17 @@ struct FocusSettings {
     DepthModel depth_model = DepthModel::ray_differentials;
     Impulse impulse;
     /// Number of depths for which blur kernels are computed, from 2 to DepthLevels::most_depths. Every
-    /// surface sample uses the kernel of the nearest of these depths. More depths make the blur more
-    /// accurate, but need more memory and time.
+    /// surface sample uses the kernel of the nearest of these depths. More depths are more accurate, but need
+    /// more memory and time.
     ///
-    /// If this is not set, the depths are so dense that rounding to them changes CoC diameters by less than
-    /// half a pixel. The change may be larger if `spacing` is linear in depth, or for diameters above 2048
-    /// px.
+    /// If this is not set, depths are chosen so densely that using the nearest one changes the CoC diameter
+    /// of a sample by less than half a pixel. The change may be larger for diameters above 2048 px, or if the
+    /// depths have equal distances in metres (`spacing` is DepthSpacing::linear).
     std::optional<int> depths;
     /// Number of lens points from which the method `lightfield` makes images, 1 to most_lens_views.
     int views = default_lens_views;
-    /// If set, only the pixels in this rectangle are computed, and all others are undefined. They are
-    /// bit-identical to those of the whole image.
+    /// If set, only the pixels in this rectangle are computed. They are bit-identical to the same pixels of
+    /// the whole image. All pixels outside the rectangle are undefined.
     std::optional<Crop> crop;
     /// Memory limit, in bytes, for the blurred samples of the methods `scatter` and `layers`. Larger images
     /// are computed in groups of rows, with bit-identical results.
@@ -76,8 +76,9 @@ struct FocusResult {
 /// Throws Error(wrong_arguments) if a setting is out of range, or if the f-number is finite but the file has
 /// an orthographic camera. Throws Error(invalid_input) if the file is damaged.
 [[nodiscard]] FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings);
-/// Computes a single image from a sample file, without a FocusFrame. Throws the same errors as
-/// focus_picture(FocusFrame&, ...).
+/// Computes a single image from a sample file. For several images of one file, use focus_picture(FocusFrame&,
+/// ...), because a FocusFrame can keep the file's contents in memory between images. Throws the same errors
+/// as that function.
 [[nodiscard]] FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings);
 
 /// Computes the sharp image of a pinhole camera: the colour of each pixel is the weighted sum of its surface

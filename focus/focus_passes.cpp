@@ -20,9 +20,9 @@ namespace {
 /// Objects that cover less than this fraction of a pixel are not written to the Cryptomatte. Renderers use a
 /// similar limit.
 constexpr float least_coverage = 1e-4F;
-/// Cryptomatte is a format that stores which objects each pixel shows, as a list (one rank for each object).
-/// This is the smallest number of ranks that is stored per pixel. It is large because blurred edges show many
-/// objects, and fixed because separately computed parts of an image must have the same number.
+/// Smallest number of objects (ranks) that are stored per pixel in the format Cryptomatte, which lists the
+/// objects that each pixel shows. It is large because blurred edges show many objects, and fixed because
+/// separately computed parts of an image must have the same number.
 constexpr std::size_t least_ranks = 8;
 
 Image::Plane plane(std::string name, std::size_t pixels) {
@@ -53,9 +53,9 @@ Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geome
     return out;
 }
 
-/// Mixes, in each pixel, the coverages of the objects in the pinhole image with those in the blurred image.
-/// `effect` is the strength of the blur in each pixel. If it is 1, only the coverages in the blurred image
-/// count; if it is 0, only those in the pinhole image. The result is written to `blurred`.
+/// Reduces the effect of the blur on the coverages of objects (fractions of a pixel that each object covers).
+/// `effect` is the strength of the blur in each pixel, from 0 to 1. It is the weight of the blurred coverages
+/// in a mixture with those of `pinhole`, which are not blurred.
 void limit_to(const std::vector<float>& effect, const StackField& pinhole, StackField& blurred) {
     for (std::size_t k = 0; k < effect.size(); ++k) {
         for (ObjectShare& o : blurred.shares[k]) o.share *= effect[k];
@@ -130,8 +130,9 @@ std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& fie
 /// images show the error.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
-    // All sets of lens points together have about this many points, because fewer points would make the
-    // estimated error unreliable.
+    // Least number of lens points from which the noise of an image is estimated. The image is computed
+    // several times, each time from another set of lens points, and the noise follows from the differences.
+    // If all sets together had fewer points than this, the estimate would be unreliable.
     constexpr int least_views = 64;
     const int views = s.views;
     s.views = std::max(1, views / 2);
@@ -159,9 +160,9 @@ std::vector<float> standard_error(const ForeignPicture& picture, const std::vect
     return out;
 }
 
-/// Adds to `image` a channel with the estimated standard error of each pixel. This error is the noise of the
-/// blurred image, because the blur is a mean over random lens points. `effect` (0 to 1) is the strength of
-/// the blur in a pixel. The error is multiplied by it, because the unblurred image has no such noise.
+/// Adds the channel "error" to `image`: the standard error of each pixel, which arises because the blur is a
+/// mean over random lens points. `error` is its value for the full blur. Pixels that are blurred with less
+/// strength, `effect` (0 to 1), have a smaller error by this factor.
 void add_error(std::vector<float> error, const std::vector<float>& effect, Image& image) {
     for (std::size_t k = 0; k < effect.size(); ++k) error[k] *= effect[k];
     image.planes.push_back({"error", std::move(error)});

@@ -20,11 +20,12 @@ struct FocusPasses {
     [[nodiscard]] bool any() const { return coc || by_views(); }
 };
 
-/// Adds the channels that `passes` selects to a blurred image. `effect` is the strength of the blur in each
-/// pixel, from 0 to 1. If it is empty, the strength is 1.
+/// Adds channels for compositing, such as the CoC or object masks, to the blurred `image`. The flags of
+/// `passes` select the channels. `effect` states, for each pixel, the strength with which the image was
+/// blurred, from 0 to 1, so that the channels match the image. If `effect` is empty, the strength is 1.
 ///
-/// Returns the fraction of pixels that show more objects than the Cryptomatte channels can store per pixel.
-/// In these pixels, the objects with the smallest coverages are left out.
+/// Returns the fraction of pixels that show more objects than the Cryptomatte channels (object masks) can
+/// store per pixel. In these pixels, the objects with the smallest coverages are left out.
 ///
 /// Throws Error(wrong_arguments) if a channel is not available. Throws Error(out_of_memory).
 double add_focus_passes(const ForeignPicture& picture, const FocusSettings& settings,

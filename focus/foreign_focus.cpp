@@ -121,8 +121,9 @@ std::optional<FocusWarning> guessed_warning(const Guessed& guessed, const Foreig
                     rough(100 * share))};
 }
 
-/// Blurs an image with the method `scatter` or `layers`: its colours and, if the result is translucent, its
-/// alpha.
+/// Computes the image that a lens forms of another program's image, with the method `scatter` or `layers`.
+/// First, the colours are blurred. If the result is translucent, alpha is blurred separately, in the same
+/// way.
 class Spread {
   public:
     Spread(const ForeignPicture& picture, const FocusSettings& settings, const FocusGeometry& geometry,
@@ -190,9 +191,9 @@ class Spread {
                 const int y = source.y_begin + static_cast<int>(i);
                 row.clear();
                 behind_row.clear();
-                // Rows above or below the image have no estimates of hidden surfaces of their own, because
-                // they only continue surfaces of the image beyond its border. They therefore get the
-                // estimates of the image's first or last row.
+                // Row y may lie above or below the image, and then contains only surfaces that are extended
+                // beyond the image border. Nothing is known about what they hide. Therefore, the estimates of
+                // hidden surfaces are those of the nearest row of the image.
                 if (behind_ && width > 0 && picture_.y_begin < picture_.y_end)
                     behind_->row(std::clamp(y, picture_.y_begin, picture_.y_end - 1), behind_row);
                 if (y >= picture_.y_begin && y < picture_.y_end) found[task].add(guessed(behind_row));
@@ -213,10 +214,9 @@ class Spread {
                     // Empty space may be visible behind a translucent surface.
                     if (behind != nullptr && picture_.stores(x, y) && ends_in_nothing(*behind, open))
                         found[task].is_see_through = true;
-                    // The argument `fills` tells whether the pixel's last (farthest) sample counts as opaque
-                    // even if its alpha is below 1. The method `scatter` does not estimate which surface lies
-                    // behind this sample, so `behind` is null. Nothing else could then fill the rest of the
-                    // pixel, so the sample counts as opaque.
+                    // The third argument tells whether the farthest sample of the pixel counts as opaque even
+                    // if its alpha is below 1. This is so if there is no estimated surface behind it
+                    // (`behind` is null), because nothing else could then fill the rest of the pixel.
                     lights.add(x, stack, behind == nullptr || behind->fills, open, behind, value, row);
                 }
                 splats.add_pixels(y, row);
@@ -242,10 +242,9 @@ class Spread {
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels(corners_);
             } else {
-                // The method `scatter` divides the colour of each pixel by the sum of the weights of the
-                // light in it. At the blurred edge of an object before empty space, this sum is below 1, and
-                // the division would make the edge opaque. Therefore, empty space also gets a weight, at most
-                // `nothing_`, and the edge stays translucent.
+                // The method `scatter` divides the colour of each pixel by the sum of the weights of its
+                // light. At the blurred edge of an object in front of empty space, this would make the edge
+                // opaque. Therefore, empty space, which is black and transparent, fills the rest of the sum.
                 splats.let_nothing_fill(nothing_);
             }
             const Guessed guessed = take_in(splats, value);
@@ -261,10 +260,10 @@ class Spread {
         RasterWindow source = source_pixels();
         ++source.x_end;
         ++source.y_end;
-        // DepthModel states which depth determines the blur of a reflection or refraction: for example, the
-        // depth of its virtual image or that of the mirror. Images from other programs do not store
-        // reflections and refractions separately. So the depth model has no effect here, and any value will
-        // do.
+        // The argument DepthModel::path has no effect here. A DepthModel states which depth determines the
+        // blur of reflections and refractions: for example, that of the mirror or that of the image in it.
+        // Images from other programs do not store reflections and refractions separately, so any value could
+        // be passed.
         if (method_ == FocusMethod::layers) {
             return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_),
                           layers);
@@ -272,9 +271,9 @@ class Spread {
         return finish(SplatTables(source, window_, geometry_, levels_, DepthModel::path, response_), scatter);
     }
 
-    /// Divides alpha by `open`, the fraction of the lens that sends light to the pixel. Vignetting makes the
-    /// colours darker towards the image's corners, but must not make pixels translucent. Where `open` is 0,
-    /// alpha becomes 1.
+    /// Removes the effect of vignetting from alpha. Towards the image's corners, vignetting decreases `open`,
+    /// the fraction of the lens that sends light to a pixel. This should make pixels darker, but not
+    /// translucent. Therefore, alpha is divided by `open`. A pixel without any light becomes opaque black.
     void undo_vignetting(const NodeResponses& responses, Image& alpha) const {
         for (int y = 0; y < alpha.height; ++y) {
             for (int x = 0; x < alpha.width; ++x) {
@@ -312,8 +311,8 @@ void take_alpha(const Image& grey, Image& image) {
 }
 
 /// Fills gaps of the image from the pixels around them. Gaps are pixels in which no lens point sees a
-/// surface. Warns if a noticeable part of the light is missing. Removes the alpha channel if the source image
-/// is opaque, because the filled image is then opaque, too.
+/// surface. Warns if a noticeable part of the light is missing. If the source image is opaque (`opaque`), the
+/// filled image is opaque, too, so its alpha channel is removed.
 void fill_unseen(StackField& field, const RasterWindow& drawn, bool opaque,
                  std::vector<FocusWarning>& warnings) {
     divide_by_covered(field);

@@ -16,9 +16,9 @@ namespace postlens {
 /// setting is out of range or if the method is none of these four.
 [[nodiscard]] FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& asked);
 
-/// Converts an impulse response, the image of a point, to pixels that are not square: `pixel_aspect` times as
-/// wide as tall. Its unit of length is the height of a pixel. Throws Error(wrong_arguments) for diffraction
-/// or a lens prescription if pixels are not square.
+/// Converts an impulse response (the image of a point) for an image whose pixels are `pixel_aspect` times as
+/// wide as tall. The result has widths in units of the pixel width, and heights in units of the pixel height.
+/// Throws Error(wrong_arguments) for diffraction or a lens prescription if pixels are not square.
 [[nodiscard]] Impulse impulse_in_px(const Impulse& impulse, double pixel_aspect);
 
 }  // namespace postlens

@@ -40,9 +40,9 @@ FocusFrame::FocusFrame(const SampleFileReader& file, bool many) : file_(file), m
 void FocusFrame::keep_all() {
     std::uint64_t records = 0;
     for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
-    // Computes an upper bound of the memory that is needed to keep all rows. There are at most as many point
-    // samples (eye rays) as records, and the vector that holds them may reserve twice the memory it needs. In
-    // addition, each record has one copy of its depth (a double) and colour (three floats).
+    // Checks that there is enough memory to keep the records and eye rays of all rows. The depth (a double)
+    // and colour (three floats) of each record are stored a second time. The vector of eye rays (PointSample)
+    // may reserve twice the memory it needs.
     require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample) + sizeof(double) + 3 * sizeof(float)),
                    "the records of the frame");
     std::vector<Kept> all;

@@ -22,10 +22,10 @@ struct TreeSheets;
 
 /// The rows [y_begin, y_end) of the sample file, at its first recorded instant.
 /// - `band`: the records (surface samples) of these rows and of the rows directly above and below
-/// - `samples`: the eye rays through these rows, with the surfaces that they hit; one element for each group
-///   of `rows_per_task` rows. Empty if not computed.
-/// - `plain`: the most common eye rays, in a compact form (PlainCorners); grouped as in `samples`. Empty if
-///   not computed.
+/// - `samples`: the eye rays through pixels of these rows, with the surfaces that they hit; one element for
+///   each group of `rows_per_task` rows. Empty if not computed.
+/// - `plain`: the most frequent eye rays, which meet no mirror or glass and lie at corners of undivided
+///   pixels, in a compact form (PlainCorners); grouped as in `samples`. Empty if not computed.
 struct FrameRows {
     /// Number of rows per task. Fewer rows would be inefficient, because each task also reads the row above
     /// and the row below.
@@ -38,16 +38,16 @@ struct FrameRows {
 
 [[nodiscard]] RasterWindow recorded_corners(const SampleFileReader& file);
 
-/// Reads the data of a sample file from which images of all lenses are computed, and keeps them in memory if
-/// several images are made. These data are the records (surface samples), the point samples (eye rays with
-/// all their records), and the sheets (parts of surfaces, made of neighbouring records).
+/// Reads the data of a sample file from which the images of all lenses are computed. These data are surface
+/// samples (records), the eye rays to which they belong (point samples), and the surfaces that neighbouring
+/// records form (sheets).
 ///
-/// Only one thread at a time may use a frame. Exception: if the frame keeps its rows in memory, several
-/// threads may call visit_rows after a first call has visited the rows.
+/// Only one thread at a time may use a frame, except that several threads may call visit_rows if the frame
+/// keeps its rows in memory and a first call has visited them.
 class FocusFrame {
   public:
-    /// Set `many` to make several images: the file's data are then kept in memory. Keeps a reference to
-    /// `file`.
+    /// If `many` is true, the file's data are kept in memory, which is faster if several images are made from
+    /// them. The object keeps a reference to `file`.
     explicit FocusFrame(const SampleFileReader& file, bool many = false);
 
     [[nodiscard]] const SampleFileReader& file() const { return file_; }
@@ -60,16 +60,16 @@ class FocusFrame {
 
     /// Returns all surfaces that the sample file records at one instant, cut into squares of 16 x 16 px. The
     /// result is valid until the next call for this instant.
-    /// - `instant`: index of the recorded instant; 0 is the first
-    /// - `rule`: selects highlights, which are stored separately from the surfaces; its radiance limit
-    ///   `rule.above` must be the same in all calls
-    /// - `also`: function that receives the records of each row once, while they are read; only for instant 0
+    /// - `rule`: selects the bright light that is stored separately from the surfaces; `rule.above`, the
+    ///   radiance above which light counts as bright, must be the same in all calls
+    /// - `also`: functions that receive the records of each row once, while they are read; only called for
+    ///   instant 0
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// Returns, for each pixel, the largest Record::w_bend of its surface samples, in 1/m^2. It bounds the
-    /// error of a sample's position when the sample is reprojected linearly to another lens point (see
-    /// LargestBends). The result contains the image rows [y_begin, y_end), and possibly more rows.
+    /// Returns for each pixel the largest nonlinearity of its surfaces (Record::w_bend), in 1/m^2. It limits
+    /// the error of a surface's position if the surface is moved linearly with the lens point (see
+    /// LargestBends). The result contains at least the image rows [y_begin, y_end).
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
     /// Returns the depths of the surfaces at the border of the traced area (image and overscan), at the first

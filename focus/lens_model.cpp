@@ -23,14 +23,15 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] bool is_round() const override { return false; }
     [[nodiscard]] bool is_even() const override { return false; }
     [[nodiscard]] bool is_point_symmetric() const override { return false; }
-    // Blur kernels of at least this radius, in px, are computed for fewer subpixel positions than smaller
-    // kernels. The difference is invisible.
+    // To save time, kernels are computed only for certain positions of their centre within a pixel, and
+    // samples are rounded to these. Kernels with at least this blur radius, in px, have fewer such positions
+    // than smaller kernels. In so wide a blur, the difference is invisible.
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] bool varies_over_field() const override { return true; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
-        // Returns the width, in px, of the squares of the image in which all samples with the same blur share
-        // one kernel. The kernel of a real lens changes over the image. The squares are so small that it
-        // changes within one by at most half a pixel or 2 % of its radius, whichever is larger.
+        // Returns the width, in px, of square parts of the image in which samples with the same blur share
+        // one kernel. They are so small that within a square, the light of the true kernel moves by at most
+        // half a pixel or 2 % of the kernel's radius, whichever is larger.
         constexpr double within_px = 0.5, within_share = 0.02, narrowest_px = 8, widest_px = 1024;
         const double w = inverse_depth_per_m(map_px);
         const double within = std::max(within_px, within_share * geometry_.gain_px * table_.reach(w));
@@ -42,10 +43,9 @@ class LensModel final : public ResponseModel {
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
-        // The matrix consists of a uniform scale, for which the table gives the radius of the blur, and of
-        // the rest, `further`, which curved mirrors and glass cause (astigmatism). `stretched` bounds the
-        // displacement, in px, that `further` adds. It contains the factor 1.5, because the real opening
-        // (pupil) may be wider than the nominal aperture.
+        // Curved mirrors and glass cause astigmatism, the part `further` of the blur that is not a uniform
+        // scale. It displaces light by up to `stretched`, in px. The factor 1.5 is a margin, because the
+        // lens's true opening (pupil) may be wider than the nominal aperture.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -58,17 +58,17 @@ class LensModel final : public ResponseModel {
                                              geometry_.aperture_radius_m,
                              .axis = place_px > 0 ? request.place_px / place_px : glm::dvec2(0, 1),
                              .centre_px = request.phase_px};
-        // If the blur is smaller than a pixel, its shape is invisible, so it is drawn as a disc. A disc has
-        // the advantage that it is symmetric: centred on a pixel corner, it gives each of the four pixels
-        // around this corner the same light.
+        // If the blur is smaller than a pixel, its true shape is invisible, so the blur is drawn as a disc.
+        // The advantage is that a disc is symmetric: centred on a pixel corner, it gives each of the four
+        // pixels around this corner the same light.
         constexpr double least_px = 0.5;
         const double size_px = fan_reach_px(fan, image);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // If the blur is large, and a curved mirror or glass makes it astigmatic (`further_px_m` is not 0),
-        // it is drawn as an ellipse. The other aberrations of the lens would change its shape too, but in so
-        // large a blur, this change is invisible.
+        // A very large blur that is astigmatic because of a curved mirror or glass (`further_px_m` is not 0)
+        // is drawn as an ellipse. The ellipse ignores the aberrations of the lens itself, but in so large a
+        // blur they are invisible.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,
@@ -78,9 +78,13 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // Returns the inverse depth 1 / z, in 1/m, at which a point has the blur `map_px`. This matrix maps a
-    // lens point, in lens radii, to a position in the blur, in px. Its mean scale is gain_px R (1 / s - 1 /
-    // z), with the aperture radius R and the focus distance s, so it can be solved for 1 / z.
+    // Returns the inverse depth 1 / z, in 1/m, of a point from its blur. The matrix `map_px` maps a lens
+    // point, in lens radii, to a position in the blur, in px. Its mean scale, from which 1 / z is computed,
+    // is
+    //
+    //     gain_px R (1 / s - 1 / z)
+    //
+    // where gain_px is the film distance in px, R the aperture radius and s the focus distance, in m.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -11,20 +11,19 @@
 
 namespace postlens {
 
-/// Reads the real lens that `settings.impulse` describes, for example a lens prescription, and focuses it at
-/// the distance in `settings`. Returns nothing if `settings.impulse` does not describe a real lens. Throws if
-/// the lens cannot be read or focused.
-/// - `recorded`: range of the pixel corners of the traced area, including overscan
+/// Reads the real lens that `settings.impulse` describes, and focuses it at the distance in `settings`.
+/// Returns nothing if `settings.impulse` does not describe a real lens. Throws if the lens cannot be read or
+/// focused.
+/// - `recorded`: pixel corners of the traced area, including overscan; rays are traced up to its corners
 [[nodiscard]] std::optional<LensView> real_lens(const FocusSettings& settings, const Film& film,
                                                 ImageSize picture, const RasterWindow& recorded);
 
 /// Creates the model that computes the blur kernels of a real lens. It traces rays through the lens once, and
 /// stores them in a table.
-/// - `geometry`: lens geometry of `view`, with film lengths in px of the sample file's image (before a
-///   magnification)
-/// - `half_diagonal_px`: half the diagonal of the recorded image with overscan; the table covers this
-///   distance from the image's centre
-/// - `largest_inverse_depth_per_m`: 1 / depth of the nearest surface
+/// - `geometry`: lens geometry of `view`; lengths on the film are in px of the sample file
+/// - `half_diagonal_px`: half the diagonal of the traced area (image and overscan), up to which the table
+///   extends
+/// - `largest_inverse_depth_per_m`: 1 / depth of the nearest surface, in 1/m
 [[nodiscard]] std::unique_ptr<ResponseModel> lens_model(const LensView& view, const FocusGeometry& geometry,
                                                         double half_diagonal_px,
                                                         double largest_inverse_depth_per_m);

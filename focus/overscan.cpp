@@ -14,9 +14,11 @@ namespace {
 /// missing there. A warning appears only if the blur reaches farther into the image than this, in px.
 constexpr double smallest_reach_px = 0.5;
 
-/// Surfaces outside the traced area are missing, and so is their light within the image. Returns how far, in
-/// px, their blur would reach into the image, for each pixel along one of its borders. `radii` contains the
-/// blur radii, in px, at the pixel corners along this border of the traced area.
+/// Light from outside the traced area is not recorded. Returns for each pixel [begin, end) along one border
+/// of the image how far this light would be blurred into the image, in px. This is estimated from the blur at
+/// the border of the traced area.
+/// - `radii`: blur radii, in px, at the pixel corners along this border, from the corner `first` on
+/// - `margin_px`: distance between the two borders
 std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end,
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));
@@ -50,7 +52,8 @@ std::optional<FocusWarning> overscan_warning(const BorderRadii& border, const Ra
     };
     const std::array<int, 4> most{largest(left), largest(right), largest(top), largest(bottom)};
     if (*std::max_element(most.begin(), most.end()) == 0) return std::nullopt;
-    // The overscan is equal on all sides, so the side with the widest blur decides.
+    // Computes the overscan that would avoid the missing light. It is equal on all sides of the image, so it
+    // must be large enough for the side with the widest blur.
     int needed_px = 0;
     for (std::size_t i = 0; i < 4; ++i) {
         if (most[i] > 0) needed_px = std::max(needed_px, margin[i] + most[i]);

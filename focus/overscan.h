@@ -8,9 +8,9 @@
 
 namespace postlens {
 
-/// Returns a warning of code "overscan" if the image lacks light of surfaces outside the recorded area. This
-/// is so if blur at the border of the recorded area reaches across the overscan (the pixels that are recorded
-/// outside the image) into the image. With a `crop`, only pixels within it count.
+/// Returns a warning of code "overscan" if the blur at the border of the traced area reaches across the
+/// overscan, the margin around the image, into the image. Light from outside is then missing in the image.
+/// With a `crop`, only pixels within it count.
 [[nodiscard]] std::optional<FocusWarning> overscan_warning(const BorderRadii& border,
                                                            const RasterWindow& source,
                                                            const RasterWindow& picture,

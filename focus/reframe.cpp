@@ -10,8 +10,9 @@
 namespace postlens {
 namespace {
 
-/// The traced pixels that an output pixel covers along one axis, beginning with `first`, and the fraction of
-/// the output pixel that each of them fills.
+/// To magnify an image, each output pixel is computed from the traced pixels that it covers. Along one axis,
+/// a Box lists these traced pixels, from the pixel `first` on, and the fraction of the output pixel that each
+/// of them fills.
 struct Box {
     int first = 0;
     std::vector<double> share;  ///< adds up to 1
@@ -59,15 +60,16 @@ Image reframe(const Image& traced, const RasterWindow& window, int width, int he
         rows.size(),
         [&](std::size_t y) {
             const Box& row = rows[y];
-            // Each pixel of the result is the mean of a box of traced pixels. All boxes of this row cover the
-            // same traced rows. So their mean over these rows is computed first, for each column of the
-            // traced image. Thus, the traced pixels are read in the order in which they lie in memory.
+            // Each output pixel is the mean of a box of traced pixels. For each traced column, the mean over
+            // the rows of this box is computed first. Thus, the traced pixels are read in the order in which
+            // they lie in memory.
             std::vector<double> mean(3 * static_cast<std::size_t>(window.width()));
             for (std::size_t j = 0; j < row.share.size(); ++j) {
                 const float* from = traced.pixel(0, row.first + static_cast<int>(j) - window.y_begin);
                 for (std::size_t i = 0; i < mean.size(); ++i)
                     mean[i] += row.share[j] * static_cast<double>(from[i]);
             }
+            // Each output pixel is the mean over the columns of its box.
             for (int x = 0; x < width; ++x) {
                 const Box& column = columns[static_cast<std::size_t>(x)];
                 std::array<double, 3> sum{};

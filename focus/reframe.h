@@ -7,13 +7,14 @@
 
 namespace postlens {
 
-/// Returns the traced pixels that are needed for an image of width x height pixels, magnified by `zoom` about
-/// its centre. For zoom < 1, they extend beyond the image.
+/// Returns which traced pixels are needed to magnify an image of width x height pixels by `zoom` about its
+/// centre. For zoom > 1, they are only the middle of the image. For zoom < 1, the image shrinks, so traced
+/// pixels around it are needed, too.
 [[nodiscard]] RasterWindow window_for_zoom(int width, int height, double zoom);
 
-/// Magnifies `traced`, an image of the raster area `window`, by the factor `zoom` about the centre of the
-/// image. Returns `width` x `height` pixels. Each is the mean of the traced pixels that it covers, weighted
-/// by area.
+/// Magnifies `traced`, an image of the raster area `window`, by the factor `zoom` about the image's centre.
+/// Returns an image of `width` x `height` pixels. Each of its pixels is the mean of the traced pixels that it
+/// covers, weighted by the covered area.
 [[nodiscard]] Image reframe(const Image& traced, const RasterWindow& window, int width, int height,
                             double zoom);
 

@@ -13,9 +13,8 @@ namespace {
 
 using glm::dvec2;
 
-/// The rim that causes vignetting is projected onto the lens, and `rim_scale` is the lens radius divided by
-/// the radius of this projection. If rim_scale is below this limit, the rim is over 20 times as large as the
-/// lens, and counts as blocking no light.
+/// Limit of rim_scale, which is the lens radius divided by the radius of the rim that causes vignetting, as
+/// seen in the plane of the lens. Below this limit, the rim is so large that it counts as blocking no light.
 constexpr double smallest_rim_scale = 0.05;
 /// Largest distance, in lens radii, between the aperture's outline and the polygon that replaces it when
 /// random lens points are drawn.
@@ -81,11 +80,11 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         accumulate(row_light_.begin(), row_light_.end());
     } else {
         rim_ = whole(fine);
-        // Computes an upper bound of the distance from the lens centre to the aperture's outline, in lens
-        // radii. A polygon that replaces a circle has the same area, so its corners lie up to 1.5 % outside
-        // the circle. Squeeze divides x, so a squeeze below 1 makes the outline wider, by the factor 1 /
-        // squeeze.
+        // A round outline is replaced by a polygon of the same area. Its corners lie up to 1.5 % outside the
+        // circle.
         constexpr double coarsest = 1.015;
+        // Upper bound of the distance from the lens centre to the aperture's outline, in lens radii. A
+        // squeeze below 1 makes the outline wider, because x coordinates of the aperture are divided by it.
         farthest_ = coarsest * std::max(1.0, 1 / impulse.squeeze);
         for (std::size_t i = 0; i < rim_.size(); ++i) {
             const dvec2 a = rim_[i], b = rim_[(i + 1) % rim_.size()];
@@ -132,7 +131,8 @@ bool Aperture::passes(const dvec2& q, const dvec2& field, double rim_scale) cons
     return p.x * p.x * impulse_.squeeze * impulse_.squeeze + p.y * p.y <= 1;
 }
 
-// Returns the fraction of a round lens that the rim of cat's-eye vignetting leaves open.
+// Returns the fraction of a round lens that cat's-eye vignetting leaves open at image position `field`. The
+// vignetting is caused by a second rim, which is a circle of radius 1 / rim_scale in the plane of the lens.
 double Aperture::share_of_disc(const dvec2& field, double rim_scale) const {
     if (rim_scale < smallest_rim_scale) return 1;
     // Computes the area in which two circles overlap: the lens and the vignetting rim. The lens has radius 1.

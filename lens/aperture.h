@@ -44,7 +44,8 @@ class Aperture {
     /// `picture` transmits no light.
     explicit Aperture(const Impulse& impulse, std::optional<AperturePicture> picture = std::nullopt);
 
-    /// Returns true for a disc without squeeze, cat's-eye vignetting or spherical aberration.
+    /// Returns true if the aperture is a disc, and there is no squeeze (different width and height),
+    /// cat's-eye vignetting or spherical aberration. Blur kernels of surfaces seen directly are then discs.
     [[nodiscard]] bool is_round() const;
     /// Returns true if the aperture is symmetric about its centre. Foreground and background blur of equal
     /// size then look the same.
@@ -57,26 +58,25 @@ class Aperture {
     /// Largest distance of a point of the aperture from its centre, in lens radii.
     [[nodiscard]] double farthest() const { return farthest_; }
 
-    /// Returns the part of the aperture that cat's-eye vignetting leaves open at image position `field`,
-    /// which is relative to the centre and has length 1 at an image corner. The result is a polygon in lens
-    /// radii, within `tolerance` lens radii of the true outline. It is empty if no light passes. `rim_scale`
-    /// is the lens radius divided by the radius of the vignetting rim, projected onto the lens.
+    /// Returns the part of the aperture that cat's-eye vignetting leaves open at image position `field`. The
+    /// result is a polygon in lens radii, within `tolerance` lens radii of the true outline. It is empty if
+    /// no light passes.
     ///
     /// Not available if the aperture is an image.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;
-    /// Returns the outline of the rim that causes cat's-eye vignetting at image position `field`, in lens
-    /// radii. The rim is projected onto the lens from the scene point, and its radius is then 1 / rim_scale.
-    /// If rim_scale is below 0.05, the rim is so large that it blocks no light. A large square then replaces
-    /// it.
+    /// Returns the outline of the second rim of the lens, in lens radii. This rim causes cat's-eye
+    /// vignetting. Seen from the scene point at image position `field`, it appears in the plane of the
+    /// aperture, with the radius 1 / rim_scale. If rim_scale is below 0.05, the rim blocks no light, and a
+    /// large square replaces it.
     [[nodiscard]] Outline second_rim(const glm::dvec2& field, double tolerance, double rim_scale) const;
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
-    /// Returns false if cat's-eye vignetting blocks the light that crosses the aperture at point q and
-    /// travels to image position `field`.
+    /// Returns false if cat's-eye vignetting blocks the light that crosses the aperture at point q, in lens
+    /// radii, and travels to image position `field`. The light is blocked by a second rim, which has the
+    /// radius 1 / rim_scale in the plane of the lens.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
     /// Returns the fraction of the aperture's light that cat's-eye vignetting leaves at image position
-    /// `field`, which is relative to the centre and has length 1 at an image corner. The result is exact for
-    /// a disc. For other shapes, the error is about 1e-3 if the scene point is distant, so that rim_scale is
-    /// close to 1.
+    /// `field`. The result is exact for a disc. For other shapes, the error is about 1e-3 for distant scene
+    /// points, whose rim_scale is close to 1.
     [[nodiscard]] double transmission(const glm::dvec2& field, double rim_scale = 1) const;
 
     /// Maps (u, v) in [0, 1)^2 to a point of the aperture, with a density proportional to the transmitted

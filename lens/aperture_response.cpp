@@ -42,9 +42,9 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
     return {x_begin, y_begin, x_end - x_begin, y_end - y_begin};
 }
 
-/// Spherical aberration bends the image of a straight line on the lens. The line has the length `length`, in
-/// lens radii. Returns into how many parts it must be divided so that the image of each part is straight
-/// within 0.02 px.
+/// Returns into how many parts a straight line on the lens, `length` lens radii long, must be divided.
+/// Spherical aberration (`spherical_px`) bends the line's image on the film, but the image of each part must
+/// be straight within 0.02 px.
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));
@@ -57,8 +57,9 @@ struct CoarsePicture {
     std::vector<double> light;
 };
 
-/// Reduces the resolution of an aperture image. A cell of this image covers `cell_px` px of the blur kernel.
-/// Cells are combined until they cover about half a pixel, because smaller ones would only take more time.
+/// Reduces the resolution of an image of the aperture. In the blur kernel, each cell of this image is
+/// `cell_px` px wide. Neighbouring cells are combined into larger ones, about half a pixel wide, because
+/// smaller cells would only take more time.
 CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     const int longest = std::max(from.width, from.height);
     const int step =
@@ -150,9 +151,9 @@ void deposit_rings(const Aperture& aperture, const ApertureImage& image, const d
             const std::size_t next = (i + 1) % rim.size();
             const dvec2 a = rim[i] - middle, b = rim[next] - middle;
             const double energy = (a.x * b.y - a.y * b.x) / 2 / total * (t * t - before * before);
-            // Splits each cell of the aperture into two triangles. With spherical aberration, the four
-            // corners of a cell may land so that the quadrilateral between them crosses itself. The three
-            // corners of a triangle cannot.
+            // Splits each cell of the aperture into two triangles. The points `inner` and `outer`, at which
+            // rays through the corners of a cell land on the film, may form a quadrilateral that crosses
+            // itself. A triangle cannot cross itself.
             const double inner_share = before / (before + t);  // for the triangle with the inner side
             deposit.add(std::array<dvec2, 3>{inner[i], outer[i], outer[next]}, energy * (1 - inner_share));
             if (ring > 1)
@@ -197,20 +198,21 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
     // and S is `spherical_px`, which describes spherical aberration.
     const double rim = rim_of(aperture), square = rim * rim;
     const double out = rim * std::abs(radius_px + spherical_px * square);
-    // Usually, the ray through the lens rim lands farthest from the ray through the lens centre. But defocus
-    // (`radius_px`) and spherical aberration may displace it in opposite directions. Then a ray nearer to the
-    // lens centre, through the radius `zone`, may land farther away.
+    // Usually, the ray through the rim of the lens lands farthest from the centre of the blur. But if defocus
+    // and spherical aberration have opposite signs, a ray through a smaller radius, `zone`, may land farther
+    // away.
     if (radius_px * spherical_px >= 0 || std::abs(radius_px) >= 3 * std::abs(spherical_px) * square)
         return out;
+    // At this radius rho, the displacement |R rho + S rho^3| has a local maximum.
     const double zone = std::sqrt(-radius_px / (3 * spherical_px));
     return std::max(out, 2 * std::abs(radius_px) * zone / 3);
 }
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // With cat's-eye vignetting, the blur kernel's outline changes slowly from pixel to pixel. But
-    // neighbouring pixels share one kernel, which causes a small error. Therefore, an outline more precise
-    // than 0.02 px would be useless.
+    // Maximum error of the outline of the blur kernel, in px. With cat's-eye vignetting, the outline changes
+    // from pixel to pixel, but neighbouring pixels share one kernel. This causes a small error anyway, so
+    // 0.02 px suffices.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

@@ -6,15 +6,16 @@
 
 namespace postlens {
 
-/// Describes the image of one scene point on the film. Light through lens point q, in lens radii, lands at
-/// the following displacement from `centre_px`, in px.
+/// Describes the image of one scene point on the film, formed by light through all points of the lens. Light
+/// through the lens point q, in lens radii from the lens centre, lands at the following displacement from
+/// `centre_px`, in px:
 ///
 ///     map_px q + spherical_px q |q|^2
-///
-/// map_px describes defocus. In front of the focus plane, it includes a rotation by 180 degrees. spherical_px
-/// describes spherical aberration.
 struct ApertureImage {
+    /// Describes the defocus. For scene points in front of the focus plane, this matrix includes a rotation
+    /// by 180 degrees.
     glm::dmat2 map_px{1};
+    /// Displacement of the ray through the lens rim that is caused by spherical aberration, in px.
     double spherical_px = 0;
     glm::dvec2 field{0};      ///< position in the field, see Aperture
     double rim_scale = 1;     ///< of the second rim, see Aperture
@@ -27,17 +28,17 @@ struct PixelWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
 };
 
-/// Smallest half width, in px, of a blur kernel's outline. A kernel without area would cover no pixels.
-/// Therefore, with_area widens the matrix of a narrower kernel (ApertureImage::map_px) to this size.
+/// Smallest half width, in px, of a blur kernel's outline. A narrower outline would have almost no area, so
+/// the kernel could not be computed. Therefore, with_area changes the matrix that maps the aperture to the
+/// outline, so that the outline has this half width.
 inline constexpr double smallest_response_px = 1e-4;
 [[nodiscard]] glm::dmat2 with_area(const glm::dmat2& map_px);
 
 /// Returns true if the blur kernel has the same value everywhere inside its outline. The outline, which
 /// image_outline returns, then describes the whole kernel.
 [[nodiscard]] bool is_even(const Aperture& aperture, const ApertureImage& image);
-/// Returns the outline of the blur kernel, that is, of the image of the aperture that light from one scene
-/// point forms on the film. It is in px, and empty if no light passes. Its error is at most 1e-3 px, or 0.02
-/// px with cat's-eye vignetting (cats_eye).
+/// Returns the outline of the blur kernel, in px. If no light passes, the outline is empty. Its error is at
+/// most 1e-3 px, or 0.02 px with cat's-eye vignetting (cats_eye).
 [[nodiscard]] Outline image_outline(const Aperture& aperture, const ApertureImage& image);
 
 /// Returns an upper bound of the blur kernel's radius: the largest distance, in px, from `image.centre_px` to
@@ -50,16 +51,15 @@ inline constexpr double smallest_response_px = 1e-4;
 
 /// Returns the blur kernel's radius, in px: the largest distance from the kernel's centre to a point that
 /// receives light. The centre is the point where the ray through the lens centre lands. `radius_px` is the
-/// signed radius of the circle of confusion.
-///
-/// With spherical aberration, the result is exact, whereas largest_reach_px returns only an upper bound.
+/// signed radius of the circle of confusion. Unlike largest_reach_px, this is exact with spherical aberration
+/// too.
 [[nodiscard]] double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px);
 
-/// Computes the blur kernel of an aperture of any shape, for the pixels in `window`. Divides the aperture
-/// into cells, and spreads the light of each cell uniformly over the cell's image on the film. The cell's
-/// outline has an error below 0.02 px.
+/// Computes the blur kernel of an aperture of any shape, for the pixels in `window`. The light through each
+/// cell of the aperture is spread uniformly over the cell's image on the film. The outline of this image has
+/// an error below 0.02 px.
 ///
-/// Over the whole plane, the values of the pixels add up to 1, or to 0 if no light passes.
+/// Over the whole plane, the values add up to 1, or to 0 if no light passes.
 [[nodiscard]] ResponseGrid dense_response(const Aperture& aperture, const ApertureImage& image,
                                           const PixelWindow& window);
 

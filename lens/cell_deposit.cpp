@@ -18,8 +18,8 @@ void CellDeposit::add_point(const dvec2& p, double energy) {
 void CellDeposit::add(std::span<const dvec2> corners, double energy) {
     double twice = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        // Measures from the polygon's first corner. Otherwise rounding would falsify the area of small
-        // polygons far from the grid's origin.
+        // Computes the polygon's area from its corners, relative to the first corner. With coordinates
+        // relative to the grid's origin, rounding would falsify the area of small, distant polygons.
         const dvec2 a = corners[i] - corners[0], b = corners[(i + 1) % corners.size()] - corners[0];
         twice += a.x * b.y - a.y * b.x;
     }
@@ -39,9 +39,9 @@ void CellDeposit::add(std::span<const dvec2> corners, double energy) {
         add_side(corners[i], corners[(i + 1) % corners.size()], density);
 }
 
-// Adds or subtracts the energy of the area between one side of a polygon and the grid's right edge. Sides
-// that run upwards count positively, and sides that run downwards negatively. Therefore, the energy outside
-// the polygon cancels, and all sides together add the polygon's energy.
+// Processes one side of a polygon that is filled uniformly with energy, `density` per px^2. The energy
+// between the side and the grid's right edge is added if the side runs upwards, and subtracted otherwise. In
+// the sum over all sides, only the energy inside the polygon remains.
 void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
     const double sign = a.y > b.y ? density : -density;
@@ -65,13 +65,13 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
         }
         if (x0 >= grid_.width) continue;
         const double width = x1 - x0;
-        // A side contributes energy to all pixels on its right. So its part to the left of the grid (x < 0)
-        // contributes to every pixel of the row, which `after[0]` stores. The rest of the side, the fraction
-        // `inside`, is treated pixel by pixel.
+        // Where a side of the polygon lies left of the grid (x < 0), it adds energy to every pixel of the
+        // row. This part is therefore added to `after[0]`, which counts for all of them.
         double inside = 1;
         if (x0 < 0) {
             const double left = -x0 / width;
             after[0] += left * height;
+            // Only this fraction of the side is treated pixel by pixel.
             inside = 1 - left;
         }
         const double begin = std::max(x0, 0.0), end = std::min(x1, static_cast<double>(grid_.width));
@@ -94,9 +94,9 @@ void CellDeposit::finish() {
         double sum = 0;
         for (std::size_t x = 0; x < static_cast<std::size_t>(grid_.width); ++x) {
             sum += after_[row + x];
-            // `sum` is the energy that polygon sides to the left of this pixel contribute to it. Outside a
-            // polygon, the contributions of its left and right sides cancel. But rounding can leave a small
-            // negative energy there, so negative values become 0.
+            // `sum` is the energy that polygon sides to the left of this pixel add to it. Outside a polygon,
+            // the terms of the polygon's left and right sides cancel. But rounding can leave a small negative
+            // energy there, so negative values become 0.
             grid_.share[row + x] = std::max(0.0, grid_.share[row + x] + sum);
         }
     }

@@ -13,8 +13,8 @@ class CellDeposit {
   public:
     /// finish() will add energy to `grid`, which must outlive this object.
     explicit CellDeposit(ResponseGrid& grid);
-    /// Spreads energy uniformly over the area of a convex polygon, so each pixel receives energy in
-    /// proportion to the area that the polygon covers in it. Corners are in px, in the grid's coordinates.
+    /// Spreads energy uniformly over the area of a convex polygon. The corners are in px, in the grid's
+    /// coordinates.
     ///
     /// A polygon smaller than 1e-5 px^2 is not integrated exactly. Its energy is divided equally among the
     /// pixels that contain its centre and the midpoints of its sides.

@@ -10,7 +10,8 @@
 namespace postlens {
 
 Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
-    // Elements of the symmetric matrix M M^T, whose eigenvalues are the squared semi-axes of the ellipse.
+    // The matrix m maps the unit circle to the ellipse. Computes the elements of the symmetric matrix m m^T,
+    // whose eigenvalues are the squared semi-axes of this ellipse.
     double xx = m[0].x * m[0].x + m[1].x * m[1].x;
     double xy = m[0].x * m[0].y + m[1].x * m[1].y;
     double yy = m[0].y * m[0].y + m[1].y * m[1].y;
@@ -23,14 +24,13 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // The ellipse is too narrow: its smaller semi-axis is below the required smallest_px. The matrix with
-        // the elements xx, xy and yy describes the ellipse. Its eigenvalues `major` and `minor` are the
-        // squares of the semi-axes. With the unit vector a along the major axis, the matrix is minor * I +
-        // (major - minor) * a a^T. To widen the ellipse, `minor` is replaced by smallest_px^2 in this
-        // formula.
+        // Widens the ellipse, because its smaller semi-axis is below smallest_px. The vector a is the unit
+        // vector along the major axis.
         const double a_xx = spread > 0 ? (1 + (xx - yy) / 2 / spread) / 2 : 1;
         const double a_yy = 1 - a_xx;
         const double a_xy = spread > 0 ? xy / 2 / spread : 0;
+        // The matrix of the ellipse is minor * I + (major - minor) * a a^T, where `major` and `minor` are the
+        // squares of the semi-axes. Here, smallest_px^2 replaces `minor`.
         xx = smallest_squared + (major - smallest_squared) * a_xx;
         yy = smallest_squared + (major - smallest_squared) * a_yy;
         xy = (major - smallest_squared) * a_xy;
@@ -90,16 +90,14 @@ double EllipseRows::right_edge(double t) const {
     return e_.shear * t + e_.half_chord * root_at(e_, t);
 }
 
-/// Returns the part of an ellipse's area that lies in a horizontal strip and left of the vertical line at x.
-/// Coordinates are relative to the ellipse's centre, and t is the height above or below it. At height t, the
-/// ellipse reaches from left_edge(t) to right_edge(t). Therefore, the area is the integral of
-/// min(right_edge(t), x) - min(left_edge(t), x) over the heights t of the strip.
+/// Returns the part of an ellipse's area that lies in the horizontal strip `strip` and to the left of the
+/// vertical line at x. Coordinates are relative to the ellipse's centre.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
-    // The outline of the ellipse satisfies the equation below. Here, t is the height relative to the centre,
-    // k the shear, s half the chord through the centre, and H half the ellipse's height. A vertical line at x
-    // crosses the outline at up to two heights t, which are the solutions of this equation:
+    // A vertical line at x crosses the ellipse's outline at up to two heights t, which are the solutions of
+    // the equation below. k is the shear, s half the chord through the centre, and H half the ellipse's
+    // height.
     //
     //     (x - k t)^2 = s^2 (1 - (t / H)^2)
     const double a = k * k + s * s / (e_.half_height * e_.half_height);
@@ -128,6 +126,8 @@ double EllipseRows::area_left_of(const Strip& strip, double x) const {
     }
     double area = 0;
     for (std::size_t i = 0; i < 3; ++i) {
+        // Between the heights t[i] and t[i + 1], integrates the length of the ellipse's chord to the left of
+        // the line: min(right_edge(t), x) - min(left_edge(t), x).
         const double width = t[i + 1] - t[i];
         if (!(width > 0)) continue;
         const double middle = (t[i] + t[i + 1]) / 2;

@@ -8,9 +8,8 @@
 
 namespace postlens {
 
-/// An ellipse, the image of the unit disc under a 2x2 matrix. It is described by its horizontal chords,
-/// because coverage is computed row by row. At the height y above the centre, the two ends of the chord are
-/// at
+/// An ellipse, described by its horizontal chords because coverage is computed row by row. At the height y
+/// above the centre, the two ends of the chord are at
 ///
 ///     centre.x + shear * y +- half_chord * sqrt(1 - (y / half_height)^2)
 struct Ellipse {
@@ -48,12 +47,15 @@ struct CoverageRow {
 /// - The other pixels in [x_begin, x_end) have values of their own.
 struct CoverageSpan {
     int x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
-    /// Values of the partly covered pixels: first columns [x_begin, inner_begin), then [inner_end, x_end).
+    /// Values of the partly covered pixels: the fraction of the shape's area that lies in each. First come
+    /// the columns [x_begin, inner_begin), then [inner_end, x_end).
     std::vector<double> edge_share;
 };
 
-/// Computes how an ellipse covers pixels, row by row, in any order. Completely covered pixels are not
-/// visited, so the time depends only on the length of the outline.
+/// Computes how an ellipse covers pixels, row by row, in any order. Only the pixels that the ellipse covers
+/// partly are computed one by one. The completely covered pixels between them have the same value,
+/// inner_share(), and are given as a range of columns. Therefore, the time depends only on the length of the
+/// outline.
 class EllipseRows {
   public:
     EllipseRows(const Ellipse& ellipse, double cx, double cy);
@@ -64,8 +66,8 @@ class EllipseRows {
     /// Returns the fraction of the ellipse's area in a completely covered pixel: 1 px^2 divided by the
     /// ellipse's area.
     [[nodiscard]] double inner_share() const { return 1 / area_; }
-    /// Computes the coverage of the pixels in row y, with y_begin() <= y < y_end(). Reuses the memory of
-    /// `out`.
+    /// Computes how much of the ellipse's area lies in each pixel of row y, as a fraction of the whole area,
+    /// for a row with y_begin() <= y < y_end(). Reuses the memory of `out`.
     void row(int y, CoverageSpan& out) const;
 
   private:

@@ -1,5 +1,5 @@
-// Converts a shift of the viewpoint on the lens to the shift of a scene point's image. Lens lengths in mm and
-// scene lengths in m are converted to pixels.
+// Converts a shift of the viewpoint on the lens, in m, to the shift of a scene point's image, in px. The
+// factor between the two shifts depends on the depth of the point and on the focus distance.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -24,13 +24,10 @@ struct Film {
 /// Throws Error(wrong_arguments) unless both lengths are positive and finite.
 void check_film(const Film& film);
 
-/// A lens that is focused at the distance s. The pinhole of the traced image lies at the centre of the lens,
-/// and the image that it sees is the reference. Seen from another lens point q (in m, in raster axes), the
-/// image of a point at depth z' is shifted from its pinhole image by
+/// A lens that is focused at the distance s. Seen from the lens point q, in m from the lens centre in raster
+/// axes, the image of a point at depth z' is shifted from its pinhole image by
 ///
 ///     gain_px * (1/s - 1/z') * q    px
-///
-/// Here, gain_px is the film distance in px.
 struct FocusGeometry {
     double aperture_radius_m = 0;    ///< F / (2 n); 0 is a pinhole
     double inverse_focus_per_m = 0;  ///< 1/s; 0 when focused at infinity
@@ -47,8 +44,8 @@ struct FocusGeometry {
 /// Makes the geometry of a focused lens. Throws Error(wrong_arguments) unless all conditions are met:
 /// - The focal length F is positive and finite.
 /// - The f-number is positive. It is infinite for a pinhole.
-/// - The focus distance s, which may be infinite, is greater than F. With Framing::keep, which keeps the film
-///   distance of the traced image, s need only be greater than 0.
+/// - The focus distance s, which may be infinite, is greater than F. With Framing::keep, s need only be
+///   greater than 0, because it does not determine the film distance.
 [[nodiscard]] FocusGeometry focus_geometry(const ThinLens& lens, double focus_distance_m, Framing framing,
                                            const Film& film);
 

@@ -8,27 +8,27 @@
 namespace postlens {
 namespace {
 
-/// The part of a polygon's side that lies within one row of pixels.
+/// The part of one side of the polygon that lies within one row of pixels.
 struct Piece {
     double x_low, x_high;  ///< x coordinates of the two ends of the piece of outline
     double height;         ///< positive height times the `sign` of the side
 };
 
-/// Returns how much of the pixel column [x, x + 1) lies to the right of a straight piece of the outline. The
-/// result is a fraction of the pixel's width, averaged over the heights that the piece spans.
+/// Returns which fraction of the pixel column [x, x + 1) lies to the right of a straight piece of the
+/// outline. The piece may be slanted, so the fraction is averaged over the heights that it spans.
 double right_of(const Piece& p, double x) {
-    // A vertical line at `at` leaves the fraction clamp(x + 1 - at, 0, 1) of the pixel [x, x + 1) to its
-    // right. The piece of the outline passes all positions from x_low to x_high uniformly, so this fraction
-    // must be averaged over `at`. For this, `integral` returns an antiderivative of the fraction.
+    // `integral` is an antiderivative of clamp(x + 1 - at, 0, 1), the fraction of the pixel [x, x + 1) to the
+    // right of a vertical line at `at`. With it, the fraction is averaged over a slanted piece of the
+    // outline, whose position changes from x_low to x_high.
     const auto integral = [x](double at) {
         if (at <= x) return at - x;
         const double into = std::min(at - x, 1.0);
         return into - into * into / 2;
     };
     const double width = p.x_high - p.x_low;
-    // The returned mean is an integral over the horizontal extent of the piece of the outline, divided by
-    // this extent, `width`. If the piece is almost vertical, `width` is nearly 0, and rounding errors would
-    // dominate. Such a piece is therefore treated as a vertical line through its midpoint.
+    // The result is the mean over the piece of the outline, which extends horizontally from x_low to x_high.
+    // If the piece is almost vertical, the division by `width` would amplify rounding errors. Such a piece is
+    // therefore treated as a vertical line through its midpoint.
     if (width < 1e-9) return std::clamp(x + 1 - (p.x_low + p.x_high) / 2, 0.0, 1.0);
     return (integral(p.x_high) - integral(p.x_low)) / width;
 }
@@ -49,9 +49,8 @@ OutlineRows::OutlineRows(Outline outline) {
         low = std::min(low, a.y);
         high = std::max(high, a.y);
         // A side that bounds the polygon on its left has the sign +1, and a side that bounds it on its right
-        // has -1. The corners are in clockwise order, and y points down. So the outline runs upwards (b.y <
-        // a.y) along the left sides and downwards along the right sides. Side stores its upper end first, so
-        // the ends of a left side are exchanged.
+        // has -1. Because the corners are in clockwise order and y points down, the outline runs upwards (b.y
+        // < a.y) along the left sides.
         if (a.y == b.y) continue;
         sides_.push_back(a.y < b.y ? Side{a, b, -1} : Side{b, a, 1});
     }

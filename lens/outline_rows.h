@@ -1,5 +1,5 @@
-// Computes exactly how much of each pixel a convex polygon covers: the impulse response of an aperture that
-// is not round.
+// Computes exactly how much of each pixel a convex polygon covers. If the polygon is the image of an
+// aperture's outline on the film, this coverage is the impulse response.
 #pragma once
 
 #include "lens/ellipse_coverage.h"
@@ -9,8 +9,7 @@ namespace postlens {
 
 /// Computes how a polygon covers pixels, one row after the other. For each pixel, it gives the area that the
 /// polygon covers in the pixel, divided by the polygon's area. The pixels of row y extend from y to y + 1.
-///
-/// Completely covered pixels share one value. Therefore, the time depends only on the length of the outline.
+/// Completely covered pixels share one value, so the time depends only on the length of the outline.
 class OutlineRows {
   public:
     /// `outline` is a polygon in px, clockwise or anticlockwise, with an area of at least 1e-12 px^2.
@@ -19,19 +18,19 @@ class OutlineRows {
     /// The polygon touches the pixel rows y_begin() <= y < y_end().
     [[nodiscard]] int y_begin() const { return y_begin_; }
     [[nodiscard]] int y_end() const { return y_end_; }
-    /// Returns the weight of a pixel that lies completely inside the polygon: 1 px^2 divided by the polygon's
+    /// Returns the value of a pixel that lies completely inside the polygon: 1 px^2 divided by the polygon's
     /// area.
     [[nodiscard]] double inner_share() const { return 1 / area_; }
-    /// Computes how the polygon covers the pixels in row y, with y_begin() <= y < y_end(). Reuses the memory
-    /// of `out`.
+    /// Computes how much of the polygon's area lies in each pixel of row y, as a fraction of the whole area,
+    /// for a row with y_begin() <= y < y_end(). Reuses the memory of `out`.
     void row(int y, CoverageSpan& out) const;
 
   private:
-    /// A side of the polygon. The area between a side and a vertical line to the right of the polygon is
-    /// added to the polygon's area or subtracted from it. `sign` is +1 for sides that bound the polygon on
-    /// its left, and -1 for those on its right. The sum over all sides is the polygon's area.
+    /// A side of the polygon. The polygon's area is a sum over its sides: the area between a side and a
+    /// vertical line to the right of the polygon is multiplied by `sign` and added.
     struct Side {
         glm::dvec2 top{0}, bottom{0};
+        /// +1 for sides that bound the polygon on its left, -1 for sides that bound it on its right.
         double sign = 1;
     };
     std::vector<Side> sides_;            ///< without horizontal sides

@@ -119,14 +119,11 @@ double ShutterCurve::time(double u) const {
     const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
                                         [](double light, const Knot& k) { return light < k.light; });
     const Knot &a = *(after - 1), &b = *after;
-    // Finds the time at which the fraction u of the exposure's light has passed the shutter. Until the
-    // curve's point `a`, the fraction a.light has passed, so the fraction `missing` must pass afterwards.
-    // Between the points `a` and `b`, the transmittance (density) changes linearly. Therefore, the time x
-    // after `a` is the solution of
+    // Finds the time x after the curve's point `a`, in which the fraction `missing` of the exposure's light
+    // passes the shutter. From `a` to the next point, `b`, the transmittance (density) changes linearly
+    // during the time `width`. Therefore, x is the solution of
     //
     //     a.density x + (b.density - a.density) x^2 / (2 width) = missing
-    //
-    // Here, `width` is the time between the two points.
     const double width = b.time - a.time, missing = std::max(0.0, u - a.light);
     const double slope = (b.density - a.density) / width;
     const double root = std::sqrt(std::max(0.0, a.density * a.density + 2 * slope * missing));

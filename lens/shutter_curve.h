@@ -33,8 +33,9 @@ class ShutterCurve {
     /// Returns the time (0: shutter opens, 1: closes) by which the fraction u of the exposure's light has
     /// passed. Uniform random u give times distributed by the transmittance.
     [[nodiscard]] double time(double u) const;
-    /// Returns the fraction of the exposure's light that has passed the shutter by a time. It is the inverse
-    /// function of `time(u)`: 0 before opening, 1 after closing.
+    /// Returns the fraction of the exposure's light that has passed the shutter until `time` (0: shutter
+    /// opens, 1: closes). It is the inverse function of `time(u)`, but 0 before the opening and 1 after the
+    /// closing.
     [[nodiscard]] double light(double time) const;
     /// Returns the shutter's transmittance at a time, scaled such that its integral is 1.
     [[nodiscard]] double density(double time) const;

@@ -29,9 +29,7 @@ double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double dep
 DepthOfField depth_of_field(const ThinLens& lens, double focus_distance_m, double coc_limit_mm) {
     const double focal_m = lens.focal_length_mm * metres_per_mm;
     const double s = focus_distance_m;
-    // q is the hyperfocal distance minus the focal length F, in m. The near limit of the depth of field is q
-    // s / (q + s - F), with the focus distance s. If coc_limit_mm is 0, q is infinite, and this formula would
-    // give NaN. Therefore, the equal form s / (1 + (s - F) / q) is used.
+    // The hyperfocal distance minus the focal length, in m. It is infinite if coc_limit_mm is 0.
     const double q =
         lens.focal_length_mm * lens.focal_length_mm / (lens.f_number * coc_limit_mm) * metres_per_mm;
     DepthOfField out;
@@ -41,6 +39,7 @@ DepthOfField depth_of_field(const ThinLens& lens, double focus_distance_m, doubl
         return out;
     }
     const double beyond_focal_m = s - focal_m;
+    // This equals q s / (q + s - F), with the focal length F, but also holds if q is infinite.
     out.near_m = q > 0 ? s / (1 + beyond_focal_m / q) : 0;
     if (s < out.hyperfocal_m) out.far_m = s / (1 - beyond_focal_m / q);
     return out;

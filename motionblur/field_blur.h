@@ -38,8 +38,8 @@ struct FieldBlur {
 /// Bit of PatchPicture::touched for pixels that must be redrawn.
 inline constexpr std::uint8_t wanted_mark = 2;
 
-/// Blurs moving objects as the mean of many views. A view is the pinhole image at one instant of the
-/// exposure. It is made by reprojecting the surfaces from the recorded instants before and after it.
+/// Blurs moving objects as the mean of many views, which are pinhole images at single instants of the
+/// exposure. A view is made by reprojecting the surfaces from the recorded instants before and after it.
 /// - `motion`: maps image positions from one instant to another
 /// - `ids`: the motion of the objects, with the distance that each one moves
 /// - `wanted_ids` (sorted): the objects to blur; image tiles that they cannot reach are not computed
@@ -48,17 +48,18 @@ inline constexpr std::uint8_t wanted_mark = 2;
                                    const std::vector<std::uint32_t>& wanted_ids,
                                    const FieldBlurSettings& settings);
 
-/// Draws the mean of the views (images at different instants) in those image tiles that overlap `crop`. A
-/// pixel over which no object moves keeps its colour of the static image. Therefore, it needs no colour from
-/// the views, and its PatchPicture::unknown, the fraction of views without a recorded surface, is set to 0.
+/// Draws views (images of the surfaces at different instants) and averages them, in those image tiles that
+/// overlap `crop`. The result is needed only in pixels over which an object moves, because all others show
+/// the static image. In these others, PatchPicture::unknown, the fraction of the views that show no recorded
+/// surface, is set to 0, because missing surfaces do not matter there.
 ///
-/// `field.sets`, the sets of views, must have one element. `field.class_marks`, a bit mask for each group of
-/// moving objects, must not be empty, because it tells where objects move.
+/// `field.sets` must have one element, the views to draw. `field.class_marks`, a bit mask for each class of
+/// objects, must not be empty, because these bits tell which objects move.
 [[nodiscard]] PatchPicture touched_picture(PatchField& field, const std::optional<Crop>& crop);
 
-/// Copies pixels of `seen`, the mean of views, to `image`: those whose bits in PatchPicture::touched include
-/// one of the bits `marks`. Some views may see no recorded surface in a pixel. Their share of the pixel is
-/// filled with the colour of `behind`.
+/// Copies the blurred moving objects from `seen` to `image`, in pixels over which objects of certain classes
+/// pass: those with one of the bits `marks` in PatchPicture::touched. Where `seen` shows no recorded surface
+/// for a part of the exposure, this part is filled with the colour of `behind`.
 void lay_over(Image& image, const PatchPicture& seen, std::uint8_t marks, const Image& behind);
 
 }  // namespace postlens

@@ -29,9 +29,9 @@ void check(const MotionBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest accepted error of the convolution of moving groups that pass over the same pixels. The error is
-/// the bound of the mean squared error in Crossing::most_mse. Up to this value, the method `automatic` uses
-/// convolution, because the measured PSNR was at least 45 dB. Above it, it uses the method `lightfield`.
+/// Largest Crossing::most_mse with which the method `automatic` still uses convolution. This is the mean
+/// squared error that convolution causes where two groups of moving objects pass over the same pixels. Up to
+/// this value, the measured PSNR was at least 45 dB.
 constexpr double most_crossing_mse = 1e-3;
 
 class MotionBlur {
@@ -49,9 +49,8 @@ class MotionBlur {
         if (!shows_frame_alone()) find_motion();
         choose();
         prepare_convolution();
-        // If the file holds several recorded instants, they may show different shadows and light. These
-        // change static surfaces too. Therefore, the pixels of the output image over which nothing moves
-        // become the weighted mean of all recorded instants.
+        // Whether static pixels are averaged over time. If the file holds several recorded instants, shadows
+        // and lights may differ between them, and this also changes the colours of static surfaces.
         const bool blends =
             file_.instants() > 1 && settings_.method != MotionMethod::convolve && !shows_frame_alone();
         const std::size_t pixels = result_.image.rgb.size() / 3;
@@ -91,10 +90,9 @@ class MotionBlur {
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_[0])
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
-        // The motion of each object was determined from its bounding box at the frame's instant. The same is
-        // done here for the other recorded instants, because an object may move differently from its position
-        // there, or it may be recorded only there. If the kinds of motion differ, the most general kind is
-        // kept.
+        // Until here, `found` holds the kind of motion of each object that is recorded at the frame's
+        // instant. At another recorded instant, an object may have another kind of motion, or it may be
+        // recorded only there. Of several kinds, the most general is kept.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
                 add_extents(band, only, extents_[i]);
@@ -166,16 +164,16 @@ class MotionBlur {
         }
     }
 
-    // Returns true if, at the frame's instant, the border of the recorded image cuts off a part of the object
-    // that may move into the image. Convolution uses only this instant, so it cannot show the cut-off part.
-    // The method lightfield can show it if another recorded instant contains it.
+    // Returns true if the border of the recorded image cuts off a part of the object that the motion may
+    // bring into the image. Only the frame's instant is tested, because convolution uses no other recorded
+    // instant.
     [[nodiscard]] bool is_cut_at_frame(std::uint32_t id) const {
         return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
 
-    // Returns true if the method is `automatic`, the file holds several recorded instants, and shadows,
-    // reflections or shading may change during the exposure. Moving objects are then blurred by the method
-    // lightfield, because convolution would blur the light of a single instant.
+    // Returns true if the method is `automatic`, and shadows, reflections or shading may differ between the
+    // recorded instants. Moving objects are then blurred by the method lightfield, because convolution would
+    // show the light of only one instant.
     [[nodiscard]] bool keys_show_other_light() const {
         return file_.instants() > 1 && settings_.method == MotionMethod::automatic &&
                UnseenMotion(header_, with_unseen(moving_ids(motions_)), settings_.exposure).possible();
@@ -193,8 +191,8 @@ class MotionBlur {
             return static_cast<int>(
                 std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
         };
-        // A margin of 2 pixel rows above and below the moving objects allows for the width of a sample and
-        // the rounding of the motion path.
+        // A margin of 2 rows above and below allows for the width of a sample and the rounding of the motion
+        // path.
         return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
     }
 
@@ -289,10 +287,9 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // The background behind moving objects may not be recorded. Then it is interpolated from pixels
-            // of the image that show static surfaces. If there are none, it is interpolated from the blurred
-            // image. In the second case, the whole image is blurred, although only `crop` is wanted, because
-            // the result must not depend on the crop.
+            // An unrecorded background behind moving objects is interpolated from pixels that show static
+            // surfaces. If there are none, it is interpolated from the blurred image. Then the whole image is
+            // blurred, because the result must not depend on the crop.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
@@ -314,10 +311,11 @@ class MotionBlur {
         return std::find(marks.begin(), marks.end(), 0) == marks.end();
     }
 
-    // Returns an image of the background behind moving objects. `covered` marks the pixels in which a moving
-    // object is recorded. The background is interpolated from all other pixels, which show static surfaces.
-    // If there are none, it is interpolated from the known pixels of the blurred image `p`.
+    // Returns an image of the background behind moving objects. It is interpolated from the pixels that show
+    // static surfaces. `covered` marks the other pixels, in which a moving object is recorded.
     [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
+        // If a moving object is recorded in every pixel, the background is interpolated from the blurred
+        // image `p`: from those pixels that show a surface for at least a part of the exposure.
         const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();
         std::vector<float> weight(covered.size());
@@ -350,8 +348,9 @@ class MotionBlur {
         for (MotionWarning& warning : unseen.warnings()) result_.warnings.push_back(std::move(warning));
     }
 
-    // The file has no samples of some moving objects, but mirrors and glass may show them. Adds these objects
-    // to `moving`.
+    // Adds objects to `moving`, a list of the ids of moving objects. `motions_` contains only objects that
+    // are recorded directly in some pixel. Other objects may move, too, and be visible only in mirrors or
+    // glass. Their motion is in the file's header.
     [[nodiscard]] std::vector<std::uint32_t> with_unseen(std::vector<std::uint32_t> moving) const {
         const double first_s = std::min(settings_.exposure.open_s, header_.time_s),
                      last_s = std::max(settings_.exposure.close_s, header_.time_s);
@@ -365,8 +364,8 @@ class MotionBlur {
         return moving;
     }
 
-    // Warns of moving objects that method `convolve` ignores, because they are not visible at the frame's
-    // instant.
+    // Warns of moving objects that cannot be blurred by the method `convolve`. It moves an object's image at
+    // the frame's instant, and at this instant, these objects are not visible.
     void warn_of_left_out() {
         std::string names;
         for (const ObjectReport& o : result_.objects) {
@@ -403,7 +402,7 @@ void check_exposure(const Exposure& e) {
              "--shutter: closes before it opens (got {}:{}; expected finite seconds, OPEN not after CLOSE)",
              e.open_s, e.close_s);
     }
-    // The difference is not finite for infinite times, or if the subtraction overflows.
+    // The difference is not finite if a time is infinite, or if the subtraction overflows.
     if (!std::isfinite(e.close_s - e.open_s)) {
         fail(ExitCode::wrong_arguments, "--shutter: too long (got {}:{}; expected finite seconds)", e.open_s,
              e.close_s);

@@ -14,11 +14,12 @@
 namespace postlens {
 
 /// Method by which moving objects are blurred.
-/// - convolve: convolves the image of the objects with a blur kernel, the image of their common motion path.
-/// - lightfield: averages views, images of the surfaces at many instants.
-/// - automatic: convolve for objects that move parallel to the film, and lightfield for all others. If near
-///   parts of an object move farther in the image than distant parts, convolve also requires a single surface
-///   with no other surface in its range of depth.
+/// - convolve: convolves an image of the objects with a blur kernel, which is an image of their common motion
+///   path.
+/// - lightfield: averages views, which are images of the surfaces at many instants.
+/// - automatic: uses convolve for objects that move parallel to the film, and lightfield for all others. If
+///   near parts of an object move farther in the image than its distant parts (parallax), convolve is used
+///   only if the object is a single surface, and no other surface lies within its range of depth.
 enum class MotionMethod { automatic, convolve, lightfield };
 
 struct MotionBlurSettings {
@@ -48,9 +49,10 @@ struct ObjectReport {
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0, deviation_px = 0;
     int slices = 0;  ///< number of depth slices that method convolve blurs
-    /// The motion path along which the method convolve moves the object. It has `path_points` points. A
-    /// spline may be fitted to it: `fitted_knots` is the spline's number of knots (0 if no spline is fitted),
-    /// and `fit_error_px` is the error of the fit, in px.
+    /// The motion path along which the method `convolve` moves the object's image: a sequence of
+    /// `path_points` points, joined by straight lines. On request, a spline replaces it. `fitted_knots` is
+    /// the spline's number of knots (0 without a spline), and `fit_error_px` is its largest distance from the
+    /// points, in px.
     std::size_t path_points = 0, fitted_knots = 0;
     double fit_error_px = 0;
     std::string reason;

@@ -22,16 +22,17 @@ struct IdExtent {
 };
 using IdExtents = std::map<std::uint32_t, IdExtent>;
 
-/// Enlarges the bounding boxes `to` of objects so that they include the objects' directly visible samples in
-/// a band of pixel rows. `only` (sorted) lists the ids of the objects. If it is empty, the boxes of all
-/// objects are enlarged. Returns true if the band contains a sample of one of these objects.
+/// Enlarges the bounding boxes `to` of objects in the image, so that they include all directly visible
+/// samples in a band of pixel rows. If `only` (sorted ids) is not empty, all other objects are ignored.
+/// Returns true if the band contains such a sample.
 bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only, IdExtents& to);
 
 enum class MotionKind {
     still,        ///< stays within 0.01 px of its recorded position
     translation,  ///< parallel to the film: within 0.25 px, every point moves like the box's centre
-    /// The object moves parallel to the film, but its near points move visibly farther in the image than its
-    /// distant points. The displacement of each point is proportional to its inverse depth, within 0.25 px.
+    /// Moves parallel to the film, but near points of the object move visibly farther in the image than its
+    /// distant points. The displacement of each corner of the object's bounding box is proportional to its
+    /// inverse depth, with an error of at most 0.25 px.
     parallax,
     general  ///< rotates, approaches, or passes the camera
 };
@@ -41,12 +42,13 @@ struct IdMotion {
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0;  ///< largest displacement of a corner of the box; may be infinite
     double path_px = 0;          ///< length of the longest path of a corner of the box; may be infinite
-    /// How differently parts of the object move: largest difference, in px, between the displacements of a
-    /// corner of its bounding box and of the box's centre. Infinite if the box passes the camera.
+    /// How differently the parts of the object move in the image: the largest difference, in px, between the
+    /// displacement of a corner of the object's bounding box and that of the box's centre. It is infinite if
+    /// the box passes the camera.
     double deviation_px = 0;
-    /// Largest error, in px, of assuming that the object moves with pure parallax. Under this assumption, the
-    /// displacement in the image of each corner of the object's bounding box is that of the box's centre,
-    /// multiplied by the corner's inverse depth divided by the centre's.
+    /// How much the object's motion differs from pure parallax, i.e. displacements proportional to inverse
+    /// depth. It is the largest error, in px, of predicting the displacement of a corner of the object's
+    /// bounding box from the displacement of the box's centre.
     double bend_px = 0;
     RasterPoint centre;
     double inverse_z = 0;  ///< mean inverse depth of the object's recorded samples, 1/m
@@ -55,7 +57,8 @@ struct IdMotion {
 /// Returns the ids of the objects that move, in the order of `ids`.
 [[nodiscard]] std::vector<std::uint32_t> moving_ids(const std::vector<IdMotion>& ids);
 
-/// Returns an id's name: "background" for id 0, and empty if the file has none.
+/// Returns the name of the object `id`. If the file states no name, this is "background" for id 0, and empty
+/// for all other ids.
 [[nodiscard]] std::string name_of(const SampleHeader& header, std::uint32_t id);
 /// Returns an id's name for messages, or its number if it has none.
 [[nodiscard]] std::string label_of(const SampleHeader& header, std::uint32_t id);
@@ -67,8 +70,8 @@ struct Exposure {
 inline constexpr double still_px = 0.01;
 inline constexpr double translation_px = 0.25;
 
-/// Classifies how an object moves in the image. For this, the displacement of each corner of its bounding box
-/// is compared with that of the box's centre, at the instants that probe_times returns.
+/// Classifies how an object moves in the image (MotionKind). For this, the displacement of each corner of its
+/// bounding box is compared with that of the box's centre, at the instants that probe_times returns.
 [[nodiscard]] IdMotion classify(const FrameMotion& motion, std::uint32_t id, const IdExtent& extent,
                                 double recorded_s, const Exposure& exposure);
 

@@ -17,9 +17,9 @@ namespace {
 
 using glm::dvec3;
 
-// Number of instants at which shadows and lights are tested: the frame's time, and 18 uniformly spaced
-// instants of the exposure. Between these lie 17 steps. 17 is prime, so that a repeating motion is not always
-// tested in the same phase.
+// Number of instants at which shadows and lights are tested: the frame's time, and 18 instants that divide
+// the exposure into 17 equal steps. 17 is prime. So even a motion that repeats up to 16 times during the
+// exposure is tested in 17 different phases.
 constexpr int shadow_instants = 1 + 18;
 constexpr int shadow_step_px = 4;
 
@@ -28,9 +28,8 @@ bool is_moving(const std::vector<std::uint32_t>& moving, std::uint32_t id) {
 }
 
 /// Returns whether the surface at `r` reflects or transmits an object that moves differently from this
-/// surface. The records from `r` + 1 to `end` are the objects in its reflections and refractions, and
-/// `moving` lists the ids of all moving objects, sorted. Motion blur cannot show such a reflection, because
-/// it moves a reflection together with the surface.
+/// surface. The records from `r` + 1 to `end` are the objects that are seen in the surface. `moving` lists
+/// the ids of all moving objects, sorted.
 bool shows_other_motion(const Record* r, const Record* end, const std::vector<std::uint32_t>& moving) {
     const bool carried = is_moving(moving, r->id);
     for (const Record* node = r + 1; node != end; ++node) {
@@ -207,8 +206,9 @@ class ShadowTest {
     bool lit_objects_move_ = false;
 };
 
-/// The border of the traced area may cut off a part of an object. Returns true if the object's motion, `map`,
-/// would bring this unrecorded part into the image.
+/// Returns true if the motion moves an unrecorded part of an object, which lies outside the recorded area,
+/// into the image. `e` is the bounding box of the recorded part. `map` moves points from their recorded
+/// position to their position at another instant.
 bool border_is_within(const SampleFileReader& file, const RasterMap& map, const IdExtent& e) {
     const SampleHeader& h = file.header();
     const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,
@@ -336,9 +336,9 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
         };
         if (is_whole(0)) continue;
         const std::vector<InstantShare> around = instants_around(instants_s, t);
-        // The image at the time t is made from the last recorded instant before t and the first one after t
-        // (`around`). If the object appears in neither of them, it is not visible at t, so no part of it can
-        // be cut off at this time.
+        // Skips the time t if the object is not visible then. The image at the time t is made from the
+        // recorded instants before and after t (`around`), so the object is not visible if it is recorded at
+        // neither of them.
         const auto shows = [&](const InstantShare& at) { return instants[at.instant].contains(id); };
         if (!in_frame && std::none_of(around.begin(), around.end(), shows)) continue;
         if (std::none_of(around.begin(), around.end(),
@@ -357,9 +357,9 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
         const bool by_field = o.method == MotionMethod::lightfield;
-        // If the camera moves, the border of the records cuts every object there, so the warning "overscan"
-        // would name all of them. Therefore, an object that is blurred by the method lightfield (`by_field`)
-        // is left out. For this method, the warning "uncovered" reports the missing surfaces instead.
+        // If the camera moves, objects that are blurred by the method lightfield (`by_field`) are left out.
+        // Then even static objects move in the image, so almost every object at the border of the recorded
+        // area would be named. For the method lightfield, the warning "uncovered" reports missing surfaces.
         if (camera_moves && by_field) continue;
         const std::size_t used = by_field ? instants.size() : 1;
         if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;

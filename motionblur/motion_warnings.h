@@ -11,17 +11,18 @@
 
 namespace postlens {
 
-/// Finds effects that motion blur cannot show if it only displaces the surfaces recorded at one instant.
-/// warnings() names them:
-/// - "reflection": a mirror or glass shows an object that moves differently from the mirror or glass.
-/// - "shadow": a moving object may block the light. Its bounding sphere is tested.
-/// - "light": shading changes, because a light moves, or an object turns by over 15 degrees relative to a
-///   light.
+/// Finds effects that motion blur cannot show if it only displaces the recorded surfaces. warnings() names
+/// them:
+/// - "reflection": a mirror or glass shows an object that moves differently from it
+/// - "shadow": a moving object may block the light (its bounding sphere is tested)
+/// - "light": shading changes, because a light moves, or because the direction from an object to a light
+///   changes by over 15 degrees relative to the object
 ///
 /// If possible() returns true, call add() for all pixel rows of the frame, and then warnings().
 class UnseenMotion {
   public:
-    /// `moving`: sorted ids of the moving objects, which may cause these effects. `header` must outlive this
+    /// `moving`: sorted ids of all moving objects. add() searches for these objects in mirrors and glass. The
+    /// motion of lights and of objects that cast shadows is read from `header`, which must outlive this
     /// object.
     UnseenMotion(const SampleHeader& header, std::vector<std::uint32_t> moving, const Exposure& exposure);
     ~UnseenMotion();
@@ -41,17 +42,15 @@ class UnseenMotion {
     std::unique_ptr<Counts> counts_;
 };
 
-/// Adds the warning "uncovered" if moving objects uncover surfaces that are not recorded. `unknown` is, for
-/// each pixel, the fraction of its light that comes from such surfaces. A pixel counts as affected if this
-/// fraction is above 1 %. A smaller fraction may only be a tiny gap between quadtree leaves.
-///
-/// `text` is a format string for the percentage of affected pixels.
+/// Adds the warning "uncovered" if moving objects uncover surfaces that are not recorded. `unknown` is the
+/// fraction of each pixel's light that comes from such surfaces. `text` is a format string for the percentage
+/// of pixels in which this fraction is above 1 %.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
-/// Returns whether the border of the traced area cuts off the object `id`: a part of the object lies outside
-/// this area, but would be visible during the exposure.
-/// - `instants`: bounding boxes of all objects, for each recorded instant from which the image is made,
-///   beginning with the frame's own instant
+/// Returns whether a part of the object `id` is missing at some time of the exposure, because it lies outside
+/// the traced area at the recorded instants.
+/// - `instants`: bounding boxes of all objects at each recorded instant from which the image is made; the
+///   first is the frame's own instant
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 

@@ -18,8 +18,9 @@ namespace postlens {
 /// once for each of these positions.
 inline constexpr int most_places = 64;
 
-/// Numbers of instants (views) for automatic settings. They are prime so that the views show a periodic
-/// motion at as many different phases as possible.
+/// Numbers of instants for automatic settings. Moving objects are blurred by averaging views, which are
+/// images at single instants of the exposure. The numbers are prime, so that the views show a periodic motion
+/// at as many different phases as possible.
 inline constexpr std::array automatic_views{131, 257, 521};
 inline constexpr int most_views = 4096;  ///< largest number of instants (views) that a user may set
 

@@ -8,10 +8,9 @@
 namespace postlens {
 namespace {
 
-/// Adds the records of one instant to a weighted mean over several recorded instants. `band` contains a block
-/// of pixel rows, and `share` is the weight of the instant. Adds each pixel's colour times `share` to `sum`,
-/// and `share` to its `weight`. Skips the pixels that are marked in `hidden`, because they show a moving
-/// object at this instant.
+/// Adds the colours of one recorded instant to a mean over several instants. For each pixel of `band`, adds
+/// its colour times `share`, the instant's weight, to `sum`, and adds `share` to `weight`. Skips pixels that
+/// are marked in `hidden`, because a moving object covers them.
 void add_band(const SampleHeader& header, const RecordBand& band, double share,
               const std::vector<std::uint8_t>& hidden, std::vector<double>& sum,
               std::vector<double>& weight) {
@@ -32,9 +31,6 @@ void add_band(const SampleHeader& header, const RecordBand& band, double share,
 
 }  // namespace
 
-// Each pixel stores the samples at its upper left corner and inside. The samples at its other corners are
-// stored with its right, lower, and lower right neighbours. So the records of these neighbours are tested
-// too.
 std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::vector<RecordBand>& bands,
                                          const std::vector<std::uint32_t>& ids) {
     const auto width = static_cast<std::size_t>(header.width);
@@ -53,6 +49,8 @@ std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::
         if (band.offsets.size() <= 1) return;  // the band is not in memory, because nothing moves in it
         for (int y = std::max(0, band.y_begin); y < std::min(header.height, band.y_end - 1); ++y) {
             for (int x = 0; x < header.width; ++x) {
+                // A pixel stores only the samples at its upper left corner and inside it. The samples at its
+                // other corners are stored with its neighbours to the right, below, and below right.
                 out[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)] =
                     shows(band, x, y) || shows(band, x + 1, y) || shows(band, x, y + 1) ||
                             shows(band, x + 1, y + 1)

@@ -20,17 +20,15 @@ std::uint8_t byte_by_power(float v) {
     return static_cast<std::uint8_t>(std::lround(srgb_from_linear(v) * 255.0F));
 }
 
-/// Table that converts linear values to sRGB bytes faster than the power function. It divides the floats from
-/// `least` to 1 into cells, that is, ranges of consecutive bit patterns. The cells are so narrow that the
-/// byte changes at most once within a cell. So each cell only needs its first byte and the position of the
-/// change.
+/// Table that converts linear values to sRGB bytes faster than the power function. Its cells divide the
+/// floats from `least` to 1 into ranges of consecutive bit patterns, so narrow that the byte changes at most
+/// once within a cell.
 struct ByteTable {
     static constexpr int octaves = 13, cell_shift = 15, cells = octaves << (23 - cell_shift);
     static constexpr float least = 1.0F / (1 << octaves);  ///< smaller values are black
     static constexpr std::uint32_t first = std::bit_cast<std::uint32_t>(least);
-    /// Contents of the table's cells. A cell is a range of floats with consecutive bit patterns. In cell i, a
-    /// float whose bits, read as an integer, are less than next[i] converts to the sRGB byte byte[i]. Any
-    /// other float in the cell converts to byte[i] + 1.
+    /// In cell i of the table, a float whose bits, read as an integer, are less than next[i] is converted to
+    /// byte[i]. Any other float of this cell is converted to byte[i] + 1.
     std::array<std::uint32_t, cells> next{};
     std::array<std::uint8_t, cells> byte{};
 

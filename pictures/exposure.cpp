@@ -13,7 +13,8 @@
 namespace postlens {
 namespace {
 
-/// exposure_warning reports an image if more than this fraction of its pixels is above white.
+/// exposure_warning reports that an image is too bright if more than this fraction of its pixels is brighter
+/// than white.
 constexpr double most_beyond_white = 0.2;
 /// Smallest step of a linear 8-bit image, in which 1 is white. exposure_warning reports an image if its
 /// brightest channel is above 0 but below this value.

@@ -23,19 +23,19 @@ inline constexpr double most_exposure_stops = 100;
 [[nodiscard]] double auto_exposure_of(std::span<double> values);
 
 /// Returns the automatic exposure of an image, in stops. It is computed from the radiance in the largest
-/// colour channel of each pixel. The pixels are already scaled by their current exposure
-/// (Image::exposure_stops), so this scale is undone first. If the current exposure is unknown, the pixels are
-/// treated as radiance.
+/// colour channel of each pixel. If Image::exposure_stops, the current exposure of the pixels, is unknown,
+/// they are treated as radiance.
 [[nodiscard]] double auto_exposure_of(const Image& image);
 
-/// Scales an image to a new exposure. Leaves the image unchanged if its current exposure is unknown.
+/// Changes the exposure of an image to `stops`, by scaling its colours. The factor depends on its current
+/// exposure, Image::exposure_stops. If this is unknown, the image remains unchanged.
 void set_exposure(Image& image, double stops);
 
 struct ExposureWarning {
     double share = 0;  ///< fraction of the pixels above white; 1 for an image that is too dark
     std::string text;
 };
-/// Returns a warning if an 8-bit or 16-bit version of the image would be too bright or too dark. The warning
+/// Returns a warning if an 8-bit or 16-bit version of the image would be too bright or too dark. Its text
 /// suggests the exposure of auto_exposure_of.
 /// - too bright: more than a fifth of the pixels have a channel above white
 /// - too dark: all pixels are below 1/255 of white, but not all are black

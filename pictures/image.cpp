@@ -73,8 +73,9 @@ struct Place {
 };
 
 std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place& place) {
-    // Many programs expect an OpenEXR image to have an alpha channel. An opaque image gets an alpha of 1,
-    // stored as half floats.
+    // Many programs expect an OpenEXR image to have an alpha channel. If `image` has no alpha, it is opaque,
+    // so an alpha of 1 is written for each pixel. It is stored in half floats, which represent 1 exactly and
+    // need half the space.
     const std::vector<float> rgba = image.alpha.empty() ? std::vector<float>() : with_alpha(image);
     const std::vector<Imath::half> ones(rgba.empty() ? static_cast<std::size_t>(image.width) : 0,
                                         Imath::half(1.0F));
@@ -276,8 +277,7 @@ Image read_image(const fs::path& path, PictureValues values) {
     }
     if (srgb) std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), linear_from_srgb);
     // The exposure of the pixels is known only if the file states it, or if its values are linear. In an sRGB
-    // image, the value 1 means white, and any radiance may have been mapped to white. So without a statement
-    // in the file, the exposure of an sRGB image is unknown.
+    // image, any radiance may have been mapped to white, which has the value 1.
     if (!spec.exposure.empty()) {
         const double stops = stops_of_text(spec.exposure, path.string());
         if (srgb || !spec.floating_point) {

@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// Prepares an image that is a part of a larger image, so that the parts can be joined later. `write_image`,
-/// called with the same `crop`, then writes a file with the exact values, the exposure, and `mark`, a JSON
-/// object by which the caller recognises the part.
+/// Prepares an image, so that write_image(), called with the same `crop`, writes a part of it that can later
+/// be joined with other parts: the rectangle `crop`, or the whole image. The file then contains the exact
+/// values, the exposure, and `mark`, a JSON object by which the caller recognises the part.
 void mark_as_part(Image& image, const std::optional<Crop>& crop, const std::string& mark);
 
 struct PicturePart {
@@ -31,13 +31,14 @@ struct PicturePart {
 /// pixel (tracer/distributed/render_state.h).
 inline constexpr const char* samples_part_attribute = "postlens:part";
 
-/// Reads the JSON object that marks the file `path` as a part. The file may be a part of an image (it
-/// contains some of the pixels) or a part of a render (it contains some of the samples of every pixel).
-/// Returns an empty text for any other OpenEXR file. Throws Error(invalid_input).
+/// Reads the JSON object that marks the file `path` as a part of an image (some of its pixels) or of a render
+/// (some of the samples of every pixel). Returns an empty text for any other OpenEXR file. Throws
+/// Error(invalid_input).
 [[nodiscard]] std::string read_part_mark(const std::filesystem::path& path);
 
-/// Copies the pixels of a part to their position in the image `whole`. Throws Error(invalid_input), with the
-/// file name `name`, if the channels differ.
+/// Copies the pixels of `part`, a rectangle of a larger image that was computed separately, to their position
+/// in the larger image, `whole`. Throws Error(invalid_input), with the file name `name`, if the channels
+/// differ.
 void paste(const PicturePart& part, const std::string& name, Image& whole);
 
 }  // namespace postlens

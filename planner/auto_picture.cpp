@@ -24,11 +24,9 @@ namespace {
 /// 8 views, whose difference shows the noise.
 constexpr int first_views = 16;
 
-/// Once the image meets its target error, the 95 % confidence interval of this error may still be wider than
-/// wanted_interval_db. More views (images from different lens points) are then drawn to narrow it. The number
-/// of views may then grow at most by a constant factor: `most_narrowing` if rays into the scene measure the
-/// error of the recorded colours, or `most_narrowing_of_noise` if there are no rays and only the noise is
-/// measured.
+/// Largest factors by which the total number of views (images from different lens points) may grow to narrow
+/// the confidence interval of the image's error. `most_narrowing_of_noise` applies if no rays measure the
+/// error of the recorded colours, but only the views' noise is measured.
 constexpr double most_narrowing = 8, most_narrowing_of_noise = 2;
 
 /// Returns the total number of samples that an image needs: the number of pixels in all its views (images
@@ -39,10 +37,9 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
     return sum;
 }
 
-/// Returns an increased number of views (images from different lens points) for each tile of the image.
-/// Repeatedly doubles the views of the tile in which this reduces the squared error most for its cost, until
-/// the expected squared error of the image is below `wanted_mse`. But no tile gets more than twice its
-/// present number of views.
+/// Increases the number of views (images from different lens points) of the image's tiles, so that the
+/// image's expected squared error falls below `wanted_mse`. Repeatedly doubles the views of the tile in which
+/// each added view reduces the squared error most.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const TileGrid& grid, double wanted_mse) {
     struct Step {
@@ -74,6 +71,7 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
         planned[t] *= 2;
         steps.push({gain(t), t});
     }
+    // No tile gets more than twice its present number of views.
     for (std::size_t t = 0; t < planned.size(); ++t) planned[t] = std::min(planned[t], 2 * views[t]);
     return planned;
 }
@@ -85,10 +83,9 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
     });
 }
 
-/// The light of highlights (small or blurred bright surfaces) is spread over the image by the lens's point
-/// spread function, which causes some error. Returns 1 for the tiles in which rays should trace the
-/// highlights instead: this error is large there, and traced highlights would not have much noise. One
-/// standard deviation suffices here, because only tiles that matter for the target error are chosen.
+/// Returns 1 for the tiles of the image in which rays should trace the highlights (small or blurred bright
+/// surfaces). In all other tiles, the lens's point spread function spreads their light over the image, which
+/// causes some error.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -96,6 +93,9 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
         highlights_noise(views.half(0), views.half(1), grid, std::vector<int>(grid.count(), most_lens_views));
     std::vector<TileError> tiles = measured.tiles;
     for (std::size_t t = 0; t < tiles.size(); ++t) {
+        // A tile is not selected if traced highlights would have much noise, or if the error does not exceed
+        // its own standard deviation. A stricter test is not needed, because only tiles with much of the
+        // image's error are selected.
         if (tiles[t].highlights_mse <= tiles[t].highlights_deviation || noise[t] > most_mse)
             tiles[t].highlights_mse = 0;
     }
@@ -103,10 +103,9 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
                          [](const TileError& tile, double share) { return tile.highlights_mse * share; });
 }
 
-/// Returns an increased number of views (images from different lens points) for each tile, to narrow the 95 %
-/// confidence interval of the measured error. More views reduce the variance of this error. So the views are
-/// doubled in the tiles where this narrows the interval most, until it is narrow enough, or until all views
-/// together have `most_samples` pixels.
+/// Increases the number of views (images from different lens points) in some tiles, to narrow the confidence
+/// interval of the image's error. The views are doubled where this narrows the interval most, until it is
+/// narrow enough or all views would need more than `most_samples` pixels.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const TileGrid& grid, const StatedError& error, double most_samples) {
     const double pixels = static_cast<double>(grid.width) * grid.height;
@@ -124,8 +123,9 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     }
     std::stable_sort(steps.begin(), steps.end(),
                      [](const Step& a, const Step& b) { return a.variance * b.mse > b.variance * a.mse; });
-    // Aims for a narrower confidence interval than wanted, because the next measurement may give a wider
-    // interval than planned.
+    // The image's error is measured, and its 95 % confidence interval should be at most wanted_interval_db
+    // wide. The width after more views are drawn can only be predicted, and may then be measured as larger.
+    // So the prediction must be 10 % narrower than wanted.
     constexpr double aim_db = 0.9 * wanted_interval_db;
     double mse = error.mse(), variance = error.variance, least_db = error.width_db();
     double left = most_samples - samples(views, grid);
@@ -183,9 +183,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                                     LeftToRays::samples_and_lights))
                 measured = measure({}, CheckedPixels::Use::deciding);
             // More views reduce the noise, but not the errors of the colours that the sample file records. So
-            // in the tiles where these errors are largest, rays replace all recorded colours. Enough tiles
-            // are chosen so that the recorded colours in all other tiles contribute at most a quarter of the
-            // target error.
+            // rays trace the colours in the tiles where these errors are largest. In all other tiles
+            // together, the errors are at most a quarter of the target error.
             if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse),
                                     LeftToRays::samples))
                 measured = measure({}, CheckedPixels::Use::deciding);
@@ -198,11 +197,11 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // Chooses the error of the image at which the next number of views aims. More views reduce the
-            // noise, but not the error of the highlights (`of_highlights`, estimated from below). If this
-            // error is large, it would be useless to make the noise far smaller. So the aim is the target
-            // error, but at least half of the highlights' error.
+            // A low estimate of the error of the highlights (small or blurred bright surfaces): the measured
+            // error minus a standard deviation.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
+            // More views do not reduce the error of the highlights. So the views aim at the target error
+            // `most_mse`, or at half of the highlights' error if that is larger.
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
             if (measured.bias_variance > error.variance / 4 &&

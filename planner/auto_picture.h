@@ -23,8 +23,8 @@ struct AutoTile {
     int views = 0;
     bool left_to_rays = false;  ///< rays replace all view samples of the tile
     /// Squared error of the tile's sRGB values that is due to noise, as a mean over pixels and channels. It
-    /// is measured relative to an image with infinitely many views of the same sample file. Therefore, errors
-    /// of the sample file itself do not count.
+    /// is measured relative to infinitely many views of the same sample file, so errors of this file do not
+    /// count.
     double noise_mse = 0;
 };
 
@@ -33,13 +33,12 @@ struct AutoResult {
     TileGrid grid;
     std::vector<AutoTile> tiles;
     double mean_views = 0;
-    /// Fraction of the view samples (pixels of all views) whose colour the sample file does not determine,
-    /// because an edge crosses them or the surface there is not recorded. It is set only if the image was
-    /// made without a scene.
+    /// Fraction of the view samples whose colour the sample file does not determine, because an edge is near
+    /// or the surface there is not recorded. It is set only if the image was made without a scene.
     double unsure_share = 0;
-    /// Squared errors of the image, set only if it was made without a scene. Without a scene, no rays can
-    /// check the recorded colours, so the whole error cannot be measured. `noise_mse` is the part that is due
-    /// to noise, and `bound_mse` is an upper bound of the whole squared error.
+    /// Squared errors of an image that was made without a scene, so that no rays could measure its whole
+    /// error. `noise_mse` is the measured part that is due to noise. `bound_mse` is an upper bound of the
+    /// whole error.
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;

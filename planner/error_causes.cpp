@@ -20,21 +20,19 @@ namespace {
 constexpr int many_views = 256;
 /// A pixel is wrong if the sRGB value of some channel differs from the reference image by more than this.
 constexpr double wrong_above = 1.0 / 255;
-/// To test a possible cause of a pixel's error, an image without this cause is compared with the reference.
-/// The cause is confirmed if at most this fraction, a quarter, of the pixel's squared error remains. The
-/// error itself is then at most half as large.
+/// A possible cause of a pixel's error is confirmed if an image in which this cause is removed has at most
+/// this fraction of the pixel's squared error. With a quarter, the error itself is at most half as large.
 constexpr double explained = 0.25;
-/// If neither an image made by a better method nor a new trace removes a pixel's error, the squared error
-/// that each possible cause would produce is estimated. A cause is accepted only if its estimate is at least
-/// this fraction of the measured squared error. The limit is lower (`noticeable_density`) for the cause that
-/// the samples are too far apart in the image, because the estimate for this cause is often too small.
+/// A cause of a pixel's error is accepted if its estimate is at least the fraction `noticeable` of the
+/// pixel's measured squared error. For too sparse samples as the cause, the smaller fraction
+/// `noticeable_density` suffices.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
-/// A pixel is completely recorded if less than this fraction of its light is missing in the sample file.
+/// A pixel counts as completely recorded if the sample file lacks less than this fraction of its light.
 constexpr float tolerated_unknown = 0.02F;
-/// The causes of errors are first sought in images that are made from the existing sample file. If the pixels
-/// whose errors remain unexplained contribute more than this fraction of the image's squared error, the scene
-/// is traced again with better settings, to find more causes.
+/// The scene is traced again, to find more causes of wrong pixels, only if the pixels without a known cause
+/// contribute more than this fraction of the image's squared error. For a smaller fraction, this would be too
+/// expensive.
 constexpr double worth_trials = 0.1;
 
 double squared_difference(const Image& a, const Image& b, std::size_t pixel) {
@@ -122,8 +120,8 @@ std::vector<float> box_means(const std::vector<float>& of, int width, int height
     return out;
 }
 
-/// Returns the cause of a pixel's error, given that the mean of many views (images from different lens
-/// points) does not have this error. The sample file is then sufficient, so the cause lies in the method with
+/// Returns the cause of a pixel's error if the mean of many views (images from different lens points) does
+/// not have this error. The views are made from the same sample file, so the cause lies in the method with
 /// which the image was made.
 ErrorCause explained_by_views(const CauseRequest& request, bool moves) {
     if (request.method == FocusMethod::lightfield || request.method == FocusMethod::hybrid)
@@ -155,10 +153,9 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const HybridSettings& v = request.view;
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
-    // `seen` is an image that is made from the same sample file as `image`, as the mean of many views (images
-    // for one lens point and instant). This method renders occlusion and motion correctly. So if the error of
-    // a pixel is much smaller in `seen` than in `image`, the cause is the method that made `image`, and not
-    // the sample file.
+    // `seen` is the mean of many views (images for one lens point and instant), which renders occlusion and
+    // motion correctly. It is made from the same sample file as `image`. So if a pixel's error is much
+    // smaller in `seen`, the method of `image` is its cause.
     FieldFocusSettings by_field = field_settings(h, v);
     by_field.views = many_views;
     by_field.crop.reset();
@@ -194,9 +191,9 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const auto finer_explains = [&](std::size_t k, double error) {
         return finer && squared_difference(*finer, reference, k) <= explained * error;
     };
-    // The error trials trace the scene again with better settings, which is expensive. They are made only if
-    // much of the error of `image` remains in `seen` and `finer`, which are images made from the existing
-    // sample file by better methods.
+    // An error trial traces the scene again with better settings, which is expensive. So trials are made only
+    // if `seen` and `finer`, which are made from the existing sample file by better methods, still have much
+    // of the error of `image`.
     std::vector<ErrorTrial> trials;
     if (v.scene != nullptr) {
         double all = 0, left = 0;
@@ -233,10 +230,9 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
-            // `best` is the new trace of the scene that removes the error of this pixel. If it recorded more
-            // instants than the file, it has both more surfaces and more colours of the same surfaces. But
-            // `seen.unknown` says that the file lacks hardly any surface in this pixel. So the added colours
-            // removed the error, and the cause is that shading changes.
+            // `best` is an image from a new trace that removes this pixel's error. If the trace recorded
+            // other instants than the file, but only a small fraction of the pixel's light is missing in the
+            // file (`seen.unknown`), the cause is that colours change with time.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {

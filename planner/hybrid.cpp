@@ -16,14 +16,14 @@
 namespace postlens {
 namespace {
 
-/// Limit for two errors of a pixel in an image made from the sample file: the fraction of its light that is
-/// not recorded in the file, and the radiance that is reprojected from the pinhole image to a wrong position.
-/// If one of them is larger, the sample file is insufficient for this pixel.
+/// Limit above which the sample file is insufficient for a pixel. It applies to two errors of the pixel: the
+/// fraction of its light that comes from surfaces that are not recorded, and the radiance that reprojection
+/// from the pinhole to the lens points moves to wrong positions.
 constexpr double tolerated = 0.02;
 
-/// Returns the fraction of the pixels, in the image or crop, for which the sample file is insufficient:
-/// either too much of their light is not recorded in the file (`field`), or too much light is reprojected to
-/// a wrong position (`misplaced`, radiance per pixel). The limit is `tolerated`.
+/// Returns the fraction of the pixels, in the image or crop, for which the sample file is insufficient. A
+/// pixel counts if the fraction of its light without a record (in `field`) or the radiance that is
+/// reprojected to wrong positions (`misplaced`) exceeds `tolerated`.
 double insufficient_share(const FieldFocus& field, const std::vector<float>& misplaced,
                           const std::optional<Crop>& crop) {
     std::vector<std::uint8_t> marks(field.unknown.size());
@@ -35,7 +35,8 @@ double insufficient_share(const FieldFocus& field, const std::vector<float>& mis
     return mean_of(marks, field.image.width, crop);
 }
 
-/// Time of the method `scatter`, in multiples of the time for one view (image from one lens point).
+/// Estimated time to make an image by the method `scatter`, as a multiple of the time to draw one view (image
+/// from one lens point). It decides whether the use of `scatter` saves time.
 constexpr double scatter_costs_views = 200;
 
 /// Makes the image from the records alone, without rays.
@@ -84,14 +85,13 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
     return out;
 }
 
-/// Squared error that corresponds to a PSNR of 50 dB. Smaller errors are not visible, so rays need not reduce
-/// them.
+/// Squared error of sRGB values that is not visible. It corresponds to a PSNR of 50 dB. Rays replace recorded
+/// colours to reduce their error, but not where it is below this limit.
 constexpr double fine_mse = 1e-5;
 
-/// The light of highlights (small or blurred bright surfaces) is spread over the image by the lens's point
-/// spread function, which may put some of it in wrong pixels. Returns 1 for the tiles in which this error is
-/// larger than twice its standard deviation and than the noise that traced highlights would have. In these
-/// tiles, rays should trace the highlights instead.
+/// Finds the tiles in which rays should trace the highlights (bright spots that the lens blurs over many
+/// pixels). In these tiles, the measured error of the blurred light exceeds both twice its standard deviation
+/// and the noise of traced highlights. Returns 1 for these tiles.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
     const std::vector<double> noise =
         highlights_noise(views.half(0), views.half(1), views.grid(), views.views());
@@ -103,8 +103,9 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
     return out;
 }
 
-/// Makes the image from recorded colours and rays, and measures the error of the recorded colours. In tiles
-/// where this error is large compared with the noise, rays replace all recorded colours.
+/// Makes the image from colours in the sample file and from traced rays. The rays also measure the error of
+/// the file's colours. In tiles where this error is large compared with the noise, rays replace all of these
+/// colours.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));

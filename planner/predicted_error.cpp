@@ -14,10 +14,9 @@
 namespace postlens {
 namespace {
 
-/// The error of an image is estimated by comparing the image with additional views (images from different
-/// lens points). `least_views` is the smallest number of these views. Their lens points come from the sets
-/// with the numbers `first_set` and above. The image itself uses sets with lower numbers, so its error is
-/// independent of the additional views.
+/// To estimate the error of an image, at least `least_views` more views (images from different lens points)
+/// are compared with it. `first_set` is the number of their first set of lens points. The image itself uses
+/// sets with lower numbers, so its noise is independent of theirs.
 constexpr int least_views = 64, first_set = 1 << 20;
 
 double product_of_errors(const Image& image, const Image& a, const Image& b, std::size_t k) {

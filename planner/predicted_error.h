@@ -10,8 +10,9 @@ namespace postlens {
 
 /// Estimated squared errors of an image tile's sRGB values, as means over pixels and channels.
 struct PredictedTile {
-    /// Squared error of the tile, relative to an image from infinitely many lens points and the same sample
-    /// file.
+    /// Squared error that is due to the method with which the image was made, for example to its limited
+    /// number of lens points. It is measured relative to an image from infinitely many lens points and the
+    /// same sample file.
     double method_mse = 0;
     double bound_mse = 0;  ///< upper bound of the error due to samples at edges or without a record
 };
@@ -19,8 +20,9 @@ struct PredictedTile {
 struct PredictedError {
     TileGrid grid;
     std::vector<PredictedTile> tiles;  ///< 0 for tiles outside the crop
-    /// Predicted error of the image or crop, as PSNR in dB. The reference for this error is the mean of
-    /// infinitely many views of the same sample file, so errors of the sample file itself do not count.
+    /// Predicted error of the image, or of its crop, as PSNR in dB. The image is compared with the mean of
+    /// infinitely many views (images from different lens points), made from the same sample file. So errors
+    /// of the sample file itself do not count.
     double predicted_db = 0;
     double bound_db = 0;      ///< the bound as PSNR; it counts view samples that the records do not determine
     double unsure_share = 0;  ///< share of view samples that the records do not determine

@@ -44,9 +44,9 @@ StatedError stated_error(const MeasuredError& measured) {
         out.views_mse += share * tile.noise_mse;
         out.variance += share * share * tile.noise_variance;
     }
-    // `views_mse`, the estimated squared error due to the noise of the views, is a random number, and may by
-    // chance be much too small. `variance` is the variance of this estimate. Therefore, `views_mse` is raised
-    // to at least the standard deviation of the estimate.
+    // Raises `views_mse`, the estimated squared noise of the image, to at least its own standard deviation.
+    // The estimate is random, with the variance `variance`. So it may by chance be close to 0, although the
+    // noise is not.
     out.views_mse = std::max(out.views_mse, std::sqrt(out.variance));
     out.variance += measured.bias_variance;
     const double mse = out.mse();

@@ -1,4 +1,5 @@
-// Computes the error of an image whose samples are partly reprojected from the sample file and partly traced.
+// Computes the measured error of an image that is made from a sample file and traced rays. It consists of the
+// noise and of the error of the colours in the file.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +9,16 @@
 
 namespace postlens {
 
-/// Wanted width of the 95 % interval of an image's measured error, in dB. More views narrow it.
+/// Wanted accuracy of an image's measured error: the width, in dB, of its 95 % confidence interval. If the
+/// interval is wider, more views (images from different lens points) are averaged.
 inline constexpr double wanted_interval_db = 2;
 
 /// Converts a squared error to PSNR, at most 120 dB.
 [[nodiscard]] double stated_db(double mse);
 
 /// The measured squared error of an image that is the mean of views (images from different lens points). It
-/// has two parts. The noise arises because the number of views is limited. The error of the records arises
-/// because colours in the sample file are inaccurate or missing. Squared errors are means over pixels and
-/// channels, of sRGB values clamped to [0, 1].
+/// consists of the noise of the views and the error of the records in the sample file. Squared errors are
+/// means over pixels and channels, of sRGB values clamped to [0, 1].
 struct StatedError {
     double views_mse = 0;              ///< noise of the views
     double bias_mse = 0;               ///< error of the records
@@ -33,10 +34,9 @@ struct StatedError {
     [[nodiscard]] static double width_db(double mse, double variance);
 };
 
-/// Returns the error of an image and its 95 % interval. The image is the mean of views (images from different
-/// lens points), which form two independent halves. `measured` contains the noise, found by comparing these
-/// halves, and the error of the records, found by tracing rays. The interval assumes that the logarithm of
-/// the error is normally distributed.
+/// Returns the error of an image and its 95 % interval. `measured` contains the two parts of the error: the
+/// noise, and the error of the colours in the sample file. The logarithm of the error is assumed to be
+/// normally distributed.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured);
 
 }  // namespace postlens

@@ -30,18 +30,20 @@ namespace {
 constexpr int coarser = 4;      ///< width of a preview pixel, in pixels of the trace
 constexpr int look_levels = 2;  ///< levels of the preview; its finest cells are as wide as trace pixels
 constexpr int most_levels = 6;
-/// A trace is accepted only if it is predicted to reach the target error. The mean error of the whole image
-/// must reach the target, and so must the error of at least this fraction of the image's tiles.
+/// Fraction of the image's tiles that must reach the target error. The plan chooses the coarsest quadtree
+/// subdivision for which two conditions are predicted to hold: the mean error of the whole image reaches the
+/// target, and so do the errors of this fraction of its tiles.
 constexpr double tiles_met = 0.9;
-/// Mean number of eye rays that the division of a quadtree cell adds. They pass through its centre and the
-/// midpoints of its sides, except where a ray was traced before.
+/// Mean number of eye rays that are added when a quadtree cell is divided into four. There are five new
+/// corners, but those on the sides of the cell may already have been traced for the neighbouring cells.
 constexpr double samples_per_split = 3.5;
 
 using ByLevel = std::array<double, most_levels + 1>;
 
 struct Look {
     double edge_pixels = 0;  ///< pixels of the trace that an edge crosses, including the overscan
-    /// For each tile, its squared error at each level of quadtree subdivision, summed over its pixels.
+    /// For each tile of the image and each number of quadtree levels: the predicted squared error of sRGB
+    /// values, summed over the pixels of the tile.
     std::vector<ByLevel> tiles;
     TileGrid grid;                                ///< tiles of the trace's image
     double samples = 0, records = 0, hidden = 0;  ///< numbers of samples, visible records and hidden records
@@ -63,9 +65,8 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
     out.grid = {h.width * coarser, h.height * coarser};
     out.tiles.resize(out.grid.count(), ByLevel{});
     FocusFrame frame(file);
-    // The planned trace is predicted from a preview, a trace whose pixels are `coarser` times as wide as
-    // those of the planned trace. Lengths in the preview's file are in preview pixels. `px` is the width of a
-    // pixel of the planned trace in this unit.
+    // Width of a pixel of the planned trace, in pixels of the preview. The preview is a faster trace of the
+    // same scene, whose pixels are `coarser` times as wide. All lengths in its file are in its own pixels.
     constexpr double px = 1.0 / coarser;
     const int last = file.y_end() - 1;  // the last row of samples has no pixels below it
     frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
@@ -98,9 +99,9 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 slants = slants || step.split == CellStep::Split::slanted;
                 for (const CellCorner* c : at)
                     coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
-                // At quadtree level L, an edge crosses 2^L cells of a pixel at unknown positions. The errors
-                // of these cells' light are independent, and proportional to the cell's area of 4^-L px^2. So
-                // the variance of the pixel's light is 2^L (4^-L)^2 = 2^-3L.
+                // Predicts the error at each quadtree level L. At this level, an edge crosses 2^L cells of
+                // the pixel at unknown positions. The errors of their light are independent and proportional
+                // to the area of a cell, 4^-L px^2. So the variance is proportional to 2^L (4^-L)^2 = 2^-3L.
                 SpreadLight spread;
                 spread.add(at, step, 1, of_trace);
                 for (int level = 0; level <= most_levels; ++level)
@@ -110,12 +111,12 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                       y = static_cast<int>(pixel) / rows.band->width() + begin;
             if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
             // Predicts the squared error of a pixel that an edge crosses. At quadtree level L, the edge
-            // crosses 2^L cells of the pixel, at unknown positions. The error of such a cell is proportional
-            // to its area, 4^-L px^2.
-            // - An edge aligned with the quadtree crosses all cells at the same position. So their errors are
-            //   equal and add up: (2^L 4^-L)^2 = 2^-2L.
-            // - A slanted edge crosses them at different positions, so their errors are independent and their
-            //   squares add up: 2^L (4^-L)^2 = 2^-3L.
+            // crosses 2^L cells of the pixel. It divides each cell at an unknown position, so each cell's
+            // contribution to the pixel has an error that is proportional to the cell's area, 4^-L px^2.
+            // - If the edge is parallel to the cells, it divides all of them at the same position. So their
+            //   errors are equal and add up, and the squared error is proportional to (2^L 4^-L)^2 = 2^-2L.
+            // - If the edge is slanted, the errors are independent. So their squares add up: 2^L (4^-L)^2 =
+            //   2^-3L.
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
                                     averaged_by(coc_px, !slants);
             ByLevel& to = out.tiles[out.grid.at(x * coarser, y * coarser)];
@@ -161,9 +162,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const FocusGeometry geometry = geometry_of(asked, camera).value_or(FocusGeometry{});
     const Look look = look_at(file, geometry);
 
-    // An image made from the sample file has two errors: that of the file's samples, and the noise due to a
-    // limited number of lens points. Half of the squared error that the target allows is left for the noise.
-    // `most_mse` is the other half, which the file may cause.
+    // Chooses the number of quadtree levels. The error of the file, whose samples are sparse at edges, may be
+    // half of the squared error at the target. The other half is left to the noise of the image.
     const double most_mse = std::pow(10.0, -target_db / 10) / 2;
     out.levels = -1;
     for (std::size_t level = 0; level <= most_levels; ++level) {
@@ -182,7 +182,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     if (!out.met) out.levels = most_levels;
     out.floor_db = out.floors_db[static_cast<std::size_t>(out.levels)];
     out.settings.subdivision.levels = out.levels;
-    // The preview's overscan is in preview pixels, which are `coarser` times as wide as the image's pixels.
+    // Area of the image with its overscan, in pixels of the planned trace. The preview's overscan is in
+    // pixels of the preview, which are `coarser` times as wide.
     const double window = (camera.width + 2.0 * coarser * traced.overscan_px) *
                           (camera.height + 2.0 * coarser * traced.overscan_px);
     const SmallThings things(scene, ObjectParts(scene), camera, asked.time_s.value_or(scene.time_s), 0,
@@ -193,17 +194,16 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
-    // `narrower` converts the number of hidden records from the preview to the planned trace. Hidden surfaces
-    // are traced in a strip beside each edge. Its width is the reach of the lens plus a margin of a fixed
-    // number of pixels. The preview's pixels are `coarser` times as wide as those of the planned trace, so
-    // its margin is also `coarser` times as wide. Therefore, the planned trace has a strip narrower by the
-    // factor `narrower`.
+    // Hidden surfaces are recorded in a strip beside each edge. `narrower` is the width of this strip divided
+    // by its width in the preview. The strip is as wide as `reach_px` plus a margin of some pixels, and the
+    // pixels of the preview are `coarser` times as wide.
     const double narrower = (reach_px + LensReach::margin_px) / (reach_px + coarser * LensReach::margin_px);
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        // The diameters of circles of confusion in the scene differ by at most 2 * reach_px. If this is less
-        // than half a pixel, the lens sees no visible part of a hidden surface. Therefore, none is recorded.
+        // `reach_px` is the largest distance, in px, by which a lens point can shift the image of the nearest
+        // surface against that of a far one. For opposite points of the lens, the shifts differ by up to 2 *
+        // reach_px. If this is less than half a pixel, the lens sees no visible part of a hidden surface.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

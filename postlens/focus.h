@@ -16,9 +16,10 @@ namespace postlens::api {
 struct FocusSettings {
     LensSettings lens = {};  ///< Default: the lens of the file.
     /// The method: "scatter", "layers", "lightfield", "hybrid", "auto" or "pinhole" (`--method`). The default
-    /// is "auto". If neither `scene` nor `target_db` is given, it selects "layers" or "scatter", depending on
-    /// the contents of the file. Otherwise, it averages views (reprojections to a lens point), in which
-    /// traced rays can replace colours. The numbers of views and rays depend on the target PSNR.
+    /// is "auto". If `scene` or `target_db` is given, "auto" averages views, i.e. pictures as seen from
+    /// single points of the lens, and with `scene`, it replaces some of their colours by traced rays. It
+    /// draws as many views as the target PSNR needs. If neither is given, "auto" selects "layers" or
+    /// "scatter", depending on the contents of the frame's file.
     std::string method = {};
     /// The methods "lightfield" and "hybrid" average views: pictures as seen from this many points of the
     /// lens (`--views`). Default: 64.
@@ -34,9 +35,10 @@ struct FocusSettings {
     std::filesystem::path scene = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
     std::optional<double> exposure = {};  ///< In stops, -100 to 100 (`--exposure`). Default: the file's.
-    /// Additional channels (`--passes`), only for a picture of another program: "coc" (circle of confusion),
-    /// "sides" (fractions of the pixel in front of, in and behind the focus), "cryptomatte", "error" (noise
-    /// of the picture).
+    /// Additional channels (`--passes`), only for a picture of another program: "coc" (diameter of the circle
+    /// of confusion), "sides" (fractions of the pixel in front of, in and behind the plane in focus),
+    /// "cryptomatte" (masks of objects), "error" (standard error of the mean over the views, only for
+    /// the method "lightfield").
     std::vector<std::string> passes = {};
     /// Further options of `postlens focus`, such as {"--depth-model=path", "--exposure=auto"}.
     std::vector<std::string> options = {};
@@ -51,8 +53,8 @@ struct FocusResult {
     double focal_length_mm = 0;   ///< Focal length that was used, mm.
     double f_number = 0;          ///< F-number that was used; infinite for a pinhole.
     double focus_distance_m = 0;  ///< Focus distance that was used, m. It may be infinite.
-    /// Diameter of the widest circle of confusion (blur disc of the lens), in px. It may be infinite. `shoot`
-    /// does not compute it, and leaves it empty.
+    /// Diameter of the widest circle of confusion (blur disc of the lens), in px. It may be infinite. Empty
+    /// in the result of `shoot`, which traces and focuses in one step and does not compute it.
     std::optional<double> largest_coc_px = {};
     /// PSNR of the picture, in dB. It is measured by comparing the picture with rays that are traced at
     /// random places in the scene. It is empty if the settings contain no `scene`, and infinite if the rays

@@ -35,9 +35,9 @@ struct FrameInfo {
     Report report = {};  ///< Report of `postlens info`. Its JSON has further properties.
 };
 
-/// The records of one instant: surfaces that eye rays hit, with one array for each property. Each array has
-/// one value (or a fixed number of values) per record. Records are sorted by pixel, and within a pixel by
-/// layer, y, x and path. docs/sample_file.md defines the quantities.
+/// The records of one instant: surfaces that eye rays hit. Each property of the records is an array, with one
+/// value (or a fixed number of values) per record. Records are sorted by pixel, and within a pixel by layer,
+/// then by the position y and x of the eye ray, then by path. docs/sample_file.md defines these quantities.
 struct Records {
     int x_begin = 0;  ///< First traced column, px. It is -overscan_px.
     int y_begin = 0;  ///< First traced row, px. It is -overscan_px.
@@ -65,11 +65,11 @@ struct Records {
     /// moves by -W q times film distance / pixel pitch, in px. For a surface seen directly, W is the unit
     /// matrix divided by the depth [Igehy 1999].
     std::vector<float> w = {};
-    /// Error of the matrix W (`w`) of each record, in 1/m^2. W describes the motion of the surface's image as
-    /// a linear function of the lens point, but in curved mirrors and through glass the true motion is
-    /// nonlinear. For a lens point R metres from the lens centre, the image's position is wrong by `w_bend`
-    /// R^2 times film distance / pixel pitch, in px. The error is 0 if it was not measured. It is infinite if
-    /// other lens points see the surface by other reflections or refractions.
+    /// Error of the matrix W (`w`) of each record, in 1/m^2. When the lens point moves, the image of the
+    /// surface moves too. W describes this motion as a linear function, but in curved mirrors and through
+    /// glass it is nonlinear. For a lens point R metres from the lens centre, W gives a position that is
+    /// wrong by `w_bend` * R^2 * film distance / pixel pitch, in px. The error is 0 if it was not measured.
+    /// It is infinite if other lens points see the surface by other reflections or refractions.
     std::vector<float> w_bend = {};
 };
 
@@ -89,9 +89,11 @@ class Frame {
     [[nodiscard]] const std::filesystem::path& path() const noexcept;
     /// @return What the file holds.
     [[nodiscard]] const FrameInfo& info() const noexcept;
-    /// Reads the records of an instant. Throws Error(wrong_arguments) if the file has no records of this
-    /// instant, or none at all.
-    /// @param instant 0 for the instant of the frame, n for the n-th further recorded instant.
+    /// Reads the records of one recorded instant, i.e. the surfaces that the eye rays hit. A moving scene may
+    /// be recorded at several instants (FrameInfo::instants_s). Throws Error(wrong_arguments) if the file has
+    /// no records of this instant, or none at all.
+    /// @param instant Index in FrameInfo::instants_s: 0 for the instant of the frame, n for the n-th further
+    /// one.
     /// @param job Threads, progress and cancellation. If null, the call uses one thread per core.
     /// @return The records. Their colours are radiance, whatever the exposure of the file.
     [[nodiscard]] Records records(std::size_t instant = 0, Job* job = nullptr) const;

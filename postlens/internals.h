@@ -69,7 +69,8 @@ class Words {
 
     void add(const char* option, const std::optional<double>& value);
     void add(const char* option, const std::optional<int>& value);
-    /// Adds an option with an integer. The value `automatic` is written as `auto`.
+    /// Adds an option with an integer to the command line, or nothing if `value` is empty. The constant
+    /// `automatic` (-1) is written as `auto`.
     void add_count(const char* option, const std::optional<int>& value);
     void add(const char* option, const std::optional<std::uint64_t>& value);
     void add(const char* option, const std::string& text);
@@ -119,7 +120,10 @@ struct Outcome {
     [[nodiscard]] Picture take_picture();
 };
 
-/// Runs a command as part of the current job. Throws postlens::Error, the internal type of errors.
+/// Runs a command of the program, for example `focus`, with the threads, progress and cancellation of the job
+/// of this call. Throws postlens::Error, the internal type of errors.
+/// - `kept`: an open file that the command uses instead of opening it again; may be null
+/// - `pictures_stay`: whether pictures are returned in memory
 [[nodiscard]] Outcome run_words(const Words& words, const std::shared_ptr<KeptFrame>& kept = nullptr,
                                 bool pictures_stay = true);
 

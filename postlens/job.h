@@ -34,7 +34,8 @@ struct JobSettings {
 /// one after the other, and must outlive them. Different jobs do not affect each other.
 class Job {
   public:
-    /// Makes a job that is not cancelled. Throws Error(wrong_arguments) if `threads` is out of range.
+    /// Makes a job, which is initially not cancelled. Throws Error(wrong_arguments) if `threads` is out of
+    /// range.
     /// @param settings Number of threads, and the function that receives the progress.
     explicit Job(JobSettings settings = {});
     ~Job();

@@ -19,8 +19,9 @@ struct LensSettings {
     /// means a pinhole.
     std::optional<double> f_number = {};
     /// Focus distance in m, more than 0 (`--focus`): the distance along the optical axis from the lens to the
-    /// plane in focus. It may be infinite. It must be more than the focal length with `framing` "lens", with
-    /// `breathing`, and in functions that take no `Frame`.
+    /// plane in focus. It may be infinite. A lens cannot focus nearer than its focal length. Therefore, the
+    /// distance must be more than the focal length if `framing` is "lens", if `breathing` is true, and in
+    /// functions that take no `Frame`.
     std::optional<double> focus_distance_m = {};
     /// Focuses on the surface that the pinhole sees at this position (`--focus-at`). It cannot be combined
     /// with `focus_distance_m`.

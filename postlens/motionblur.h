@@ -24,8 +24,9 @@ struct MotionBlurSettings {
     std::filesystem::path paths = {};
     /// "convolve", "lightfield" or "auto" (`--method`). Default: "auto".
     std::string method = {};
-    /// Number of instants that the method "lightfield" averages (`--views`). The default is 131, 257 or 521:
-    /// the smallest that gives one for every 2 px of the longest motion, or else 521.
+    /// Number of instants that the method "lightfield" averages (`--views`). The default depends on the
+    /// longest motion of an object in the picture: the smallest of 131, 257 and 521 that has at least one
+    /// instant for every 2 px of this motion, or 521 if none has.
     std::optional<int> views = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
     std::optional<double> exposure = {};  ///< In stops, -100 to 100 (`--exposure`). Default: the file's.

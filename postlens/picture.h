@@ -32,8 +32,9 @@ struct Crop {
     int height = 0;  ///< px, at least 1.
 };
 
-/// The exposure time, on the scene's clock. For a picture with motion vectors, times are measured in frames
-/// instead of seconds: 0 is this frame and 1 is the next one.
+/// The exposure time: the interval in which the shutter is open, as times of the scene. A picture with motion
+/// vectors has no scene. For such a picture, times are in frames instead of seconds: 0 is this frame and 1 is
+/// the next one.
 struct Shutter {
     double open_s = 0;  ///< Instant at which the shutter opens, s.
     /// Instant at which the shutter closes, in s, not before `open_s`. If the two are equal, the exposure is
@@ -63,7 +64,8 @@ struct Picture {
     std::optional<double> exposure_stops = 0.0;
     /// Additional channels, such as those that `focus` computes for `--passes`. Only .exr files contain them.
     std::vector<Plane> planes = {};
-    /// Named texts that describe `planes`, for example the manifest of a Cryptomatte.
+    /// Named texts that describe the additional channels, `planes`. For example, the manifest of a
+    /// Cryptomatte lists the names of its objects.
     std::vector<std::pair<std::string, std::string>> texts = {};
 };
 

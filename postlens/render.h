@@ -37,8 +37,9 @@ struct RenderSettings {
 
 /// What `render` has made.
 struct RenderResult {
-    /// The picture that was made. If `crop` is set, it is only this part. If `options` contains `--output`,
-    /// the picture is written to that file instead, and this field is empty.
+    /// The rendered picture. If `crop` of the settings is set, it contains only this part of the whole
+    /// picture. If `options` of the settings contains `--output`, the picture is written to that file
+    /// instead, and this field is empty.
     Picture picture = {};
     /// With `halves`: two pictures from independent halves of the samples. Their difference measures the
     /// noise.

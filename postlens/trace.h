@@ -11,7 +11,8 @@
 
 namespace postlens::api {
 
-/// Lets the command choose the value of a setting such as `hidden_layers` (`auto` on the command line).
+/// Value for integer settings such as `hidden_layers`. It means that the number is chosen automatically
+/// (`auto` on the command line).
 inline constexpr int automatic = -1;
 
 /// Settings of `trace`.
@@ -22,8 +23,9 @@ struct TraceSettings {
     std::optional<double> time_s = {};
     /// Smallest f-number of the pictures that will be made from the file, more than 0 (`--for-f-number`).
     std::optional<double> for_f_number = {};
-    /// Focus distance of the pictures that will be made from the file, in m, more than 0 (`--for-focus`). It
-    /// may be infinite. It is used to choose an `automatic` overscan.
+    /// Focus distance of the pictures that will be made from the sample file, in m, more than 0
+    /// (`--for-focus`). It may be infinite. It is used to choose an `automatic` `overscan_px`, because it
+    /// affects how far the lens blurs light into the picture from outside.
     std::optional<double> for_focus_distance_m = {};
     /// Time interval that contains the exposures of all pictures that will be made from the file
     /// (`--for-shutter`).
@@ -36,8 +38,10 @@ struct TraceSettings {
     /// divisions make edges more exact, but the file larger. The default is 2. If `for_f_number` is set, the
     /// default is 3 at the borders of objects. If `for_rays` is set, it is 1.
     std::optional<int> subdivide = {};
-    /// A pixel or cell is divided if the contrast between its corners, (max - min) / (max + min + 0.05),
-    /// exceeds this value, 0 or more (`--threshold`).
+    /// Limit for the contrast between the corners of a pixel (`--threshold`), 0 or more. A pixel is divided
+    /// into four cells if its contrast is larger in any colour channel, and so is a cell. The contrast is
+    /// (max - min) / (max + min + 0.05), where max and min are the largest and the smallest radiance at the
+    /// corners.
     std::optional<double> threshold = {};
     /// Number of surfaces that are recorded behind each visible surface, from 0 to 16, or `automatic`
     /// (`--hidden-layers`). A lens or a moving object can reveal these surfaces. The default is `automatic`

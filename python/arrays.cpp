@@ -46,9 +46,9 @@ class Records {
         const auto& all = records->band_.records;
         return all.empty() ? nullptr : static_cast<const void*>(&(all.front().*member));
     }
-    /// Returns a numpy array that shows one field of all records without copying them: it shares their
-    /// memory. `first` is the address of the field in the first record. The array has one element per record,
-    /// which is a value or an array of the given shape.
+    /// Returns a numpy array with one field of all records (surface hits) of the file, without copying them.
+    /// Each element is a value or an array of the given shape. `first` is the address of the field in the
+    /// first record.
     template <typename Value>
     [[nodiscard]] static py::array view(const std::shared_ptr<Records>& records, const void* first,
                                         std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides) {

@@ -7,9 +7,8 @@
 
 namespace postlens::python {
 
-/// Runs `work` as a job with `threads` threads (0: one per core). The lock of the Python interpreter is
-/// released meanwhile. If `work` throws an exception, it is thrown again here; exceptions of postlens become
-/// postlens.Error.
+/// Runs `work` as a job with `threads` threads (0: one per core), without the lock of the Python interpreter.
+/// If `work` throws an exception, it is thrown again here; exceptions of postlens become postlens.Error.
 ///
 /// The calling thread handles signals and calls progress(fraction, seconds_left), unless `progress` is None.
 /// If a signal handler or `progress` raises an exception, `work` is cancelled before this exception is

@@ -13,8 +13,8 @@ bool is_at(const Record& record, int x, int y) {
     return record.x == static_cast<float>(x) && record.y == static_cast<float>(y);
 }
 
-/// Makes row y of the coarser file, whose pixels are `by` times as wide as those of `fine`, the band of the
-/// original file. A pixel of the coarser file takes only the records (surface hits) at its upper left corner.
+/// Makes row y of a coarser file. Each of its pixels replaces `by` x `by` pixels of the original file, whose
+/// records (surface hits) are in `fine`. The coarser pixel takes only the records at its upper left corner.
 RecordBand wider_row(const RecordBand& fine, int y, int by, int x_begin, int x_end) {
     RecordBand out{.x_begin = x_begin, .x_end = x_end, .y_begin = y, .y_end = y + 1};
     for (int x = x_begin; x < x_end; ++x) {

@@ -8,9 +8,9 @@
 
 namespace postlens {
 
-/// Estimates how many records (surface hits) of instant 0, the first recorded instant, lie exactly at pixel
-/// corners. A coarser copy of the file keeps only such records, because its pixels are not subdivided.
-/// Extrapolates from at most 32 evenly spaced rows.
+/// Estimates how many records (surface hits) of `file` lie exactly at pixel corners, at instant 0 (the first
+/// recorded instant). write_coarser_file keeps only such records, because the pixels of a coarser file are
+/// not subdivided. The estimate is extrapolated from at most 32 evenly spaced rows.
 [[nodiscard]] double corner_records(const SampleFileReader& file);
 
 /// Writes a sample file whose pixels are `by` times as wide and as high as those of `file`. The new file

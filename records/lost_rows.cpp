@@ -32,11 +32,11 @@ class PixelPlaces {
 };
 
 /// Finds the quadtree leaves (undivided cells) of a pixel that touch its lower edge, and appends the position
-/// of each leaf's lower left corner to `corners`. The current cell begins at the position u along this edge
-/// and is `size` wide, both in steps of 1 / position_steps px. If a sample lies at its centre, the cell is
-/// divided. Then this function calls itself for its two lower quarters.
+/// of each leaf's lower left corner to `corners`. It examines the cell that begins at u and is `size` wide,
+/// in steps of 1 / position_steps px.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
+    // A cell is divided if there is a sample at its centre.
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {
         corners.push_back(u);
         return;

@@ -18,16 +18,16 @@ struct LostRows {
     friend bool operator==(const LostRows&, const LostRows&) = default;
 };
 
-/// Makes records of rays that hit nothing, in place of row y of a damaged file, which cannot be read.
-/// - above: the row y - 1, or null if there is none. The corners on the lower edges of its quadtree cells are
-///   stored in row y. Therefore, they also get records.
+/// Makes records that replace row y of a damaged file. They are records of rays that hit nothing, at the
+/// upper left corner of each pixel, and at the lower corners of the quadtree cells of row y - 1.
+/// - above: the row y - 1, or null if it is missing
 /// - offsets: receives the index of each pixel's first record, as in RecordBand::offsets
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 
-/// Returns a RecordBand (rows of records) that contains only row y. It replaces row y of the file, which
-/// cannot be read. Its records are those that stand_in_for_row makes: rays that hit nothing. `above` is row y
-/// - 1, or null if there is none.
+/// Returns a RecordBand (rows of records) with a single row, which replaces row y of a damaged file. It
+/// contains records of rays that hit nothing, as stand_in_for_row makes them. `above` is row y - 1, or null
+/// if it is missing.
 [[nodiscard]] RecordBand stand_in_row(const RecordBand* above, int x_begin, int x_end, int y);
 
 /// Returns a copy of rows y_begin to y_end - 1 of a band, which must contain them.
@@ -38,7 +38,7 @@ void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
 void add_runs(std::size_t instant, std::span<const std::uint8_t> lost, int y_begin,
               std::vector<LostRows>& runs);
 
-/// Formats runs of lost rows as text, for example "rows 12-19, 40-47". A long list is cut short.
+/// Lists lost (unreadable) rows of a file as text, for example "rows 12-19, 40-47". A long list is cut short.
 [[nodiscard]] std::string rows_text(std::span<const LostRows> runs);
 
 }  // namespace postlens

@@ -7,10 +7,9 @@
 
 namespace postlens {
 
-/// Predicts the compressed size, in bytes, of row y of the pinhole image in a file with this header. Returns
-/// 0 if row y lies outside the image. `band` must contain the rows y and y + 1 of the records, because the
-/// samples on the lower edges of the pixels are stored in row y + 1. The result is approximate, because a
-/// file compresses up to 16 rows together.
+/// Predicts approximately how many bytes row y of the pinhole image needs in a sample file. Returns 0 if row
+/// y lies outside the image. `band` must contain the rows y and y + 1 of the records, because they contain
+/// the corners of the pixels.
 [[nodiscard]] std::uint64_t packed_picture_bytes(const SampleHeader& header, RecordCompression compression,
                                                  const RecordBand& band, int y);
 

@@ -11,9 +11,9 @@ namespace postlens {
 
 namespace {
 
-// Completes `sample`, which already contains the surfaces that the pinhole sees at its position. Adds the
-// records of the hidden surfaces at the same position. These have `layer` > 0, and `band` stores them with
-// the pixel that contains this position.
+// Adds the records of hidden surfaces to `sample`, which already contains the surfaces that the pinhole sees
+// at its position. Records of hidden surfaces have `layer` > 0 and the same position. `band` stores all
+// records of a position in the pixel that contains this position.
 void add_hidden(const RecordBand& band, PixelSample& sample) {
     const std::size_t k =
         band.pixel(static_cast<int>(std::floor(sample.x)), static_cast<int>(std::floor(sample.y)));
@@ -36,8 +36,9 @@ std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int 
     find_point_samples(band, y, y + 2, y, y + 1, found);
     std::vector<PixelSample> out;
     for (const PointSample& s : found.samples) {
-        // Computes the weight of the sample s in this pixel. The sample is a corner of up to four quadtree
-        // cells. Each of these cells that lies in this pixel adds a quarter of its area.
+        // Computes the weight of the sample s in this pixel's colour. s is a corner of up to four quadtree
+        // cells, some of which may lie in neighbouring pixels. Each cell in this pixel adds a quarter of its
+        // area to the weight.
         double weight = 0;
         for (int q = 0; q < 4; ++q) {
             const auto i = static_cast<std::size_t>(q);

@@ -9,9 +9,9 @@
 namespace postlens {
 namespace {
 
-/// Width of a pixel in steps, which are the unit of positions in this file. All sample positions are
-/// multiples of a step, so they are exact integers in this unit. The smallest possible leaf (undivided cell)
-/// of a pixel's quadtree is one step wide.
+/// Number of steps in the width of a pixel. A step is the unit of positions in this file: all samples lie at
+/// multiples of it, so their positions are exact integers. A pixel is divided into quadtree cells, and no
+/// cell is narrower than one step.
 constexpr int pixel_steps = position_steps;
 
 /// Position within a pixel: u steps to the right of its upper left corner, and v steps below this corner. The
@@ -20,13 +20,12 @@ struct Place {
     int u = 0, v = 0;
 };
 
-/// Visits the leaves (undivided cells) of a quadtree cell that begins at `at` and is `size` steps wide. Calls
-/// leaf(position, size) for each of them. The quadtree itself is not stored, but a cell is divided if it has
-/// a sample at its centre. The four quarters are visited in the order up-left, up-right, down-left,
-/// down-right.
+/// Calls leaf(position, size) for each leaf (undivided cell) of the quadtree cell that begins at `at` and is
+/// `size` steps wide. The order of its quarters is up-left, up-right, down-left, down-right.
 template <typename HasSample, typename Leaf>
 void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& leaf) {
     const int half = size / 2;
+    // A cell is divided if it has a sample at its centre.
     if (half == 0 || !has_sample(Place{at.u + half, at.v + half})) {
         leaf(at, size);
         return;
@@ -42,10 +41,9 @@ void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& 
          x + at.u / static_cast<double>(pixel_steps), y + at.v / static_cast<double>(pixel_steps));
 }
 
-/// Calls on_sample(first_record, count) for each sample of pixel (x, y) that the pinhole sees, sorted by y,
-/// then by x. A sample consists of `count` records with the same position, from the index `first_record` on.
-/// With `top_edge_only`, calls it only for samples on the pixel's upper edge. Throws if the pixel has no
-/// sample at its upper left corner, where each pixel needs one.
+/// Calls on_sample(first_record, count) for each point sample (eye ray) of pixel (x, y) that the pinhole
+/// sees, sorted by y, then by x. With `top_edge_only`, only samples on the pixel's upper edge are passed.
+/// Throws if the pixel has no sample at its upper left corner.
 template <typename OnSample>
 void for_each_sample(const RecordBand& band, int x, int y, bool top_edge_only, const OnSample& on_sample) {
     const std::size_t k = band.pixel(x, y);
@@ -87,10 +85,11 @@ Sample* find_in_pixel(const Row<Sample>& row, std::size_t column, float x, float
 template <typename Sample>
 class PlacedSamples {
   public:
-    /// Fills the table `at_` with the samples of pixel (x, y), so that a sample can be found by its position.
-    /// The samples on the pixel's right and lower edges belong to it too, but the neighbouring pixels store
-    /// them. `above` is the row of samples y, and `below` is the row y + 1. Returns false if the pixel's
-    /// quadtree is finer than the positions of the table.
+    /// Fills the table `at_`, in which a sample of pixel (x, y) can be found by its position. The table has a
+    /// fixed grid of positions. Returns false if a sample of the pixel lies between these positions, because
+    /// the pixel's quadtree is too fine.
+    /// - `above`, `below`: the stored samples of the rows y and y + 1. The samples on the pixel's lower edge
+    ///   are stored in row y + 1, and those on its right edge with the next pixel.
     /// - `column`: index of the pixel in its row
     bool place(const Row<Sample>& above, const Row<Sample>& below, int x, int y, std::size_t column) {
         for (const std::size_t k : used_) at_[k] = nullptr;
@@ -99,10 +98,9 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // The samples on the edge between this pixel and its right neighbour are stored with the neighbour.
-        // The neighbour's quadtree may be finer than that of this pixel, and even finer than the table `at_`.
-        // Then some of its samples lie between two positions of the table. add() skips them, because no cell
-        // of this pixel has them as corners.
+        // Adds the samples on this pixel's right edge to the table `at_`. They are stored with the pixel on
+        // the right. If its quadtree is finer, some of them are no corners of this pixel's cells, and add()
+        // skips them.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -240,9 +238,9 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
     const int last_pixel_row = std::min(pixel_y_end, y_end) - 1;
     if (first_pixel_row > last_pixel_row) return;
 
-    // The corners of a quadtree cell in pixel row y are stored in the rows y and y + 1 of the samples. So a
-    // cell whose area counts may have some of its corners outside the requested rows. `above` and `below`
-    // contain the samples of the neighbouring rows, which are read only to complete such cells.
+    // Reads the rows of samples above and below the requested rows. The weights of the requested samples
+    // depend on all quadtree cells around them, and some of these cells have their other corners in the rows
+    // `above` and `below`.
     PointSamples above, below;
     above.offsets.assign(1, 0);
     below.offsets.assign(1, 0);
@@ -261,11 +259,10 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // A sample at a cell's corner represents a quarter of the cell's area.
-                                       // weight[k] belongs to the cell in quadrant k around the sample. The
-                                       // four corners of a cell and the four quadrants have the same numbers:
-                                       // 0 up-left, 1 up-right, 2 down-left, 3 down-right. Seen from corner
-                                       // c, the cell lies in the opposite quadrant, 3 - c.
+                                       // Each sample at a corner c of this cell gets a weight of a quarter of
+                                       // the cell's area. Corners and the cells around a sample are numbered
+                                       // alike: 0 up-left, 1 up-right, 2 down-left, 3 down-right. Seen from
+                                       // corner c, this cell is number 3 - c.
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

@@ -1,6 +1,5 @@
 // Rebuilds the quadtree into which each pixel was divided while it was traced. The file does not store the
-// quadtree, but the positions of the samples at the corners of its cells determine it. The areas of the cells
-// then give the weights of the samples in the pinhole image.
+// quadtree, but a sample at each corner of its cells. A cell was divided if it has a sample at its centre.
 #pragma once
 
 #include <array>
@@ -15,28 +14,28 @@
 namespace postlens {
 
 /// A point sample: one eye ray through the pinhole. It has one record for each surface that the ray and its
-/// reflections and refractions hit. The records of one sample have the same raster position, so they are
-/// adjacent in the sorted list of records: `record_count` records, from the index `first_record` on.
+/// reflections and refractions hit. They are adjacent in the sorted list of records.
 struct PointSample {
     float x = 0, y = 0;              ///< raster, px
     std::uint32_t first_record = 0;  ///< index into the band's records
     std::uint32_t record_count = 0;
-    /// Weights of this sample. It is a corner of up to four quadtree cells: up-left, up-right, down-left and
-    /// down-right of it. For each of these cells, the weight is a quarter of the cell's area, in px^2,
-    /// because a cell has four corners. It is 0 if there is no such cell.
+    /// Weights of this sample for the quadtree cells of which it is a corner: up-left, up-right, down-left
+    /// and down-right of it. A weight is a quarter of the cell's area, in px^2, or 0 if there is no such
+    /// cell.
     std::array<float, 4> weight{};
-    /// Edge length, in px, of the quadtree cells up-left, up-right, down-left and down-right of the sample; 0
-    /// if there is none.
+    /// Widths, in px, of the quadtree cells up-left, up-right, down-left and down-right of this sample. A
+    /// width is 0 if there is no such cell.
     std::array<float, 4> leaf_size{};
     [[nodiscard]] float total_weight() const { return weight[0] + weight[1] + weight[2] + weight[3]; }
 };
 
-/// Finds the point samples (eye rays) of rows y_begin to y_end - 1, and computes their weights (areas of the
-/// image). The samples are listed pixel by pixel, and sorted by y, then by x.
+/// Finds the point samples (eye rays) that are stored in the rows y_begin to y_end - 1 of `band`, and
+/// computes their weights. A leaf (undivided quadtree cell) adds a quarter of its area to the weight of each
+/// sample at its corners. Only leaves in the pixel rows pixel_y_begin to pixel_y_end - 1 are counted. The
+/// samples are listed pixel by pixel, and sorted by y, then by x.
 ///
-/// A leaf (undivided quadtree cell) adds a quarter of its area to each sample at its corners. Only leaves in
-/// pixel rows pixel_y_begin to pixel_y_end - 1 count. `band` must also contain rows y_begin - 1 and y_end if
-/// they exist. Throws Error(invalid_input) if a corner of a cell has no sample.
+/// `band` must also contain the rows y_begin - 1 and y_end if they exist, because the other corners of the
+/// leaves may lie there. Throws Error(invalid_input) if a corner of a cell has no sample.
 struct PointSamples {
     std::vector<PointSample> samples;
     std::vector<std::uint32_t> offsets;  ///< per pixel of rows [y_begin, y_end), as in RecordBand
@@ -65,11 +64,11 @@ struct PixelLeaves {
 };
 void find_leaves(const RecordBand& band, int y_begin, int y_end, PixelLeaves& out);
 
-/// Computes row y of the pinhole image, for columns x_begin to x_end - 1. `band` must contain row y of the
-/// samples and the next row, because the pixels' corners lie in both. A leaf (undivided cell) of a pixel's
-/// quadtree has the mean colour of the samples at its four corners. A pixel has the mean colour of its
-/// leaves, weighted by area. Sums are in double precision and in a fixed order, so results are bit-identical
-/// on all machines.
+/// Computes row y of the pinhole image, for the columns x_begin to x_end - 1. `band` must contain the rows y
+/// and y + 1 of the samples, because the upper corners of the pixels are stored in row y and the lower
+/// corners in row y + 1. A pixel's colour is the mean of its quadtree's leaves (undivided cells), weighted by
+/// area. A leaf's colour is the mean of the samples at its four corners. Sums are in double precision and in
+/// a fixed order, so results are bit-identical on all machines.
 void picture_row(const RecordBand& band, int y, int x_begin, int x_end, std::span<float> rgb);
 
 }  // namespace postlens

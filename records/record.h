@@ -75,11 +75,12 @@ struct Mat2 {
 /// Flags of a record (sample). They warn that interpolation between this sample and its neighbours may miss
 /// detail.
 struct RecordMark {
-    /// The texture is too fine for the samples: its colour changes between this sample and its neighbours,
-    /// and the quadtree allows no samples in between.
+    /// The texture of the surface is finer than the samples. The colour changes between this sample and its
+    /// neighbours, and the pixel was not divided further, because its quadtree has reached the limit of
+    /// subdivision.
     static constexpr std::uint8_t fine_texture = 1;
-    /// The surface is not known between this sample and its neighbours. The rays may have missed something
-    /// narrow there: a gap in the object, or another part of its mesh.
+    /// It is not known whether the surface continues between this sample and its neighbours. The rays may
+    /// have missed something narrow there: a gap in the object, or another part of its mesh.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };
@@ -94,19 +95,19 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
-    /// Error of the matrix `w`, in 1/m^2. `w` describes the motion of the surface's image with the lens point
-    /// as a linear map, but in curved mirrors and through glass the true motion is nonlinear. For a lens
-    /// point R metres from the lens centre, the image's position is wrong by w_bend * R^2 * film distance /
-    /// pixel pitch, in px. 0 if not measured. Infinite if other lens points see the surface by another
-    /// sequence of reflections and refractions.
+    /// Error of the matrix `w`, in 1/m^2. `w` describes how the image of the surface moves with the lens
+    /// point, as a linear map, but in curved mirrors and through glass, this motion is nonlinear. For a lens
+    /// point R metres from the lens centre, the position is wrong by w_bend * R^2 * film distance / pixel
+    /// pitch, in px. 0 if not measured. Infinite if other lens points see the surface by another sequence of
+    /// reflections and refractions.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;
 };
 
 /// A band of records (surface hits): those of the pixels in rows y_begin to y_end - 1 and columns x_begin to
-/// x_end - 1. Pixel (x, y) has the index k = (y - y_begin) * width() + (x - x_begin). Its records have the
-/// indices offsets[k] to offsets[k + 1] - 1 in `records`, and are sorted by layer, then by y, x and path.
+/// x_end - 1. The records of the pixel with the index k = pixel(x, y) have the indices offsets[k] to
+/// offsets[k + 1] - 1 in `records`, and are sorted by layer, then by y, x and path.
 struct RecordBand {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint32_t> offsets{0};  ///< width() * height() + 1 entries

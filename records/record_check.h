@@ -18,8 +18,9 @@ struct RecordChannels {
 /// Positions within a pixel are multiples of 1 / position_steps px, which half floats represent exactly.
 inline constexpr int position_steps = 1024;
 
-/// Returns true if record a is stored before record b in a pixel. Records are sorted by layer, then by y, x
-/// and path.
+/// Returns whether record a is stored before record b in a pixel. Records are sorted by layer (0 if the
+/// pinhole sees the surface, larger if it is hidden), then by y, x, and path (the reflections and
+/// transmissions by which the surface is seen).
 [[nodiscard]] bool canonical_before(const Record& a, const Record& b);
 
 /// Describes the first error in the records of pixel (x, y). Returns null if all of these conditions hold:

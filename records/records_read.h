@@ -1,4 +1,5 @@
-// Callbacks that receive records while a file is read, so that one pass serves several purposes.
+// Functions that receive the records (surface hits) of a sample file while it is read. Several of them can
+// use the same reading, for example to make an image and to estimate its error.
 #pragma once
 
 #include <functional>
@@ -12,16 +13,16 @@ namespace postlens {
 struct RecordsRead {
     /// Receives the point samples of rows y_begin to y_end - 1. Each row is passed once, from top to bottom.
     std::function<void(const RecordBand& band, int y_begin, int y_end)> rows;
-    /// Receives the pixel rows y_begin to y_end - 1 of `band`, and in `leaves` the leaves (undivided cells)
-    /// of the quadtrees into which their pixels are divided. Each row is passed once. The function may be
-    /// called by several threads at once.
+    /// Receives the pixel rows y_begin to y_end - 1 of `band`, each row once. These pixels are divided into
+    /// quadtrees, and `leaves` contains the undivided cells of the quadtrees. Several threads may call the
+    /// function at once.
     std::function<void(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves)> leaves;
 };
 
-/// Passes the rows y_begin to y_end - 1 of `band` to the functions in `to`: calls `to.rows` for the rows, and
-/// `to.leaves` for the quadtree leaves (undivided cells) of their pixels. The lower corners of the leaves in
-/// a row are stored in the next row, so row y_end must be in `band` too. The last row of the file has no next
-/// row, and therefore no leaves. Throws the errors of find_leaves, `to.rows` and `to.leaves`.
+/// Passes the rows y_begin to y_end - 1 of a file to `to.rows` as records, and to `to.leaves` as quadtree
+/// leaves (undivided cells). `band` must also contain row y_end, which has the lower corners of the last
+/// leaves, unless the file ends there. The last row of a file has no leaves. Throws the errors of
+/// find_leaves, `to.rows` and `to.leaves`.
 void tell(const RecordsRead& to, const RecordBand& band, int y_begin, int y_end);
 
 }  // namespace postlens

@@ -19,7 +19,8 @@ namespace postlens {
 
 enum class RecordCompression { none, rle, zips };
 
-/// Summary of one scanline of records. The file stores it, so it can be read without the records.
+/// Summary of one row of records (surface hits): their number, depths and checksum. The file stores the
+/// summaries separately, so they can be read without reading the records.
 struct ScanlineFacts {
     std::uint32_t records = 0;
     float nearest_z = std::numeric_limits<float>::infinity();  ///< finite z' only; infinity if none
@@ -28,10 +29,11 @@ struct ScanlineFacts {
 };
 
 /// Writes a sample file, which stores the records (surface hits) of a traced frame and its pinhole image. The
-/// records are passed in bands of rows, so that memory is bounded. First come the bands of instant 0, the
-/// instant of the pinhole image, from top to bottom. Those of each key (further recorded instant) follow. The
-/// colours must be radiance without exposure, because SampleFileReader applies the exposure of the header.
-/// The file appears at `path` when finish() is called.
+/// records are passed in bands of rows, from top to bottom, to save memory. The recorded instants of a moving
+/// scene follow one another; the pinhole image shows the first one, instant 0.
+///
+/// The colours must be radiance without exposure, because SampleFileReader applies the exposure of the
+/// header. The file appears at `path` when finish() is called.
 class SampleFileWriter {
   public:
     SampleFileWriter(const std::filesystem::path& path, const SampleHeader& header,
@@ -44,7 +46,7 @@ class SampleFileWriter {
 
     /// Writes the next rows of records. The rows of an instant must be passed from top to bottom, from y =
     /// -overscan to y = height + overscan. Each row extends from x = -overscan to x = width + overscan. The
-    /// last row and column contain the lower and right corners of the last pixels.
+    /// last row and column contain corners of the last pixels.
     void write(const RecordBand& band);
     /// Ends the current instant of a moving scene, so that the next rows belong to the next recorded instant,
     /// beginning with its top row. Throws Error(invalid_input) if rows of the current instant are missing, or
@@ -96,14 +98,16 @@ class SampleFileReader {
     /// Number of instants at which a moving scene is recorded. The pinhole image in the file shows instant 0.
     [[nodiscard]] std::size_t instants() const;
     [[nodiscard]] double instant_s(std::size_t instant) const;
-    /// Returns a summary of each row of records, from y = -overscan on.
+    /// Returns one summary per row of records (their number, depths and checksum), for the rows from y =
+    /// -overscan to y = height + overscan. Negative rows lie above the image.
     [[nodiscard]] std::span<const ScanlineFacts> scanlines(std::size_t instant = 0) const;
     /// Returns the number of records at all instants.
     [[nodiscard]] std::uint64_t record_count() const;
     [[nodiscard]] std::uint64_t file_bytes() const;
     [[nodiscard]] RecordCompression compression() const;
-    /// Range of the rows of records: from y_begin() = -overscan to y_end() - 1 = height + overscan. Records
-    /// lie at the corners of pixels, so there is one more row of records than of pixels.
+    /// Range of the rows of records (surface hits). Records lie at the corners of pixels, so there is one
+    /// more row of records than of pixels. The first row is y_begin() = -overscan, and the last row is
+    /// y_end() - 1 = height + overscan.
     [[nodiscard]] int y_begin() const;
     [[nodiscard]] int y_end() const;
     /// Range of the columns of records: from x_begin() = -overscan to x_end() - 1 = width + overscan. Records
@@ -114,14 +118,15 @@ class SampleFileReader {
     /// Reads rows y_begin to y_end - 1 of an instant, and verifies their checksums and values. Rows can be
     /// read in any order. Reuses the memory of `band`.
     void read(int y_begin, int y_end, RecordBand& band, std::size_t instant = 0) const;
-    /// Returns the rows that are damaged, ordered by instant and from top to bottom. They are known only if
-    /// the file was opened with Damage::salvage. Then their records were replaced by records of rays that hit
-    /// nothing. Otherwise, the result is empty.
+    /// Returns the damaged rows, ordered by instant and from top to bottom. If the file was opened with
+    /// Damage::salvage, these rows have been replaced by samples of rays that hit nothing. Otherwise, the
+    /// damage is not searched for, and the result is empty.
     [[nodiscard]] std::span<const LostRows> lost_rows() const;
     /// Returns the times of recorded instants that were removed because all their rows are damaged.
     [[nodiscard]] std::span<const double> lost_instants_s() const;
-    /// Returns the pinhole image stored in the file. Throws if this image is damaged. Even Damage::salvage
-    /// does not repair it, because the caller can compute the image from the file's records instead.
+    /// Returns the pinhole image that is stored in the file. Throws if this image is damaged. This is so even
+    /// with Damage::salvage, which repairs only damaged records. In this case, the caller can compute the
+    /// image from the records.
     [[nodiscard]] Image picture() const;
     /// True if the file is an OpenEXR file with the version attribute that postlens writes.
     [[nodiscard]] static bool is_sample_file(const std::filesystem::path& path);

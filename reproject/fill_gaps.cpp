@@ -34,12 +34,12 @@ Level coarser(const Level& fine) {
     return out;
 }
 
-/// Interpolates the colour at the centre of pixel (x, y) of a pyramid level bilinearly from `coarse`, the
-/// next coarser level, whose pixels are twice as wide. The centre lies a quarter of a coarse pixel beside the
-/// centre of the coarse pixel that contains it: to the right if x is odd, to the left if x is even. So the
-/// weights along x are 3/4 and 1/4; y is treated alike.
+/// Interpolates a colour for pixel (x, y) bilinearly from `coarse`, a level of an image pyramid whose pixels
+/// are twice as wide.
 void sample(const Level& coarse, int x, int y, float* rgb) {
     const int x0 = (x & 1) != 0 ? x / 2 : x / 2 - 1, y0 = (y & 1) != 0 ? y / 2 : y / 2 - 1;
+    // The centre of the pixel lies a quarter of a coarse pixel beside the nearest centre of a coarse pixel:
+    // to the right of it if x is odd, and to the left if x is even.
     const float fx = (x & 1) != 0 ? 0.25F : 0.75F, fy = (y & 1) != 0 ? 0.25F : 0.75F;
     for (std::size_t c = 0; c < 3; ++c) rgb[c] = 0;
     for (int k = 0; k < 4; ++k) {

@@ -26,9 +26,9 @@ struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
     bool gathered = false;  ///< whether `patches` contains the patches of the current piece
-    /// Whether the current piece (the square of the image that is being drawn) shows so many surfaces by
-    /// reflection or transmission that tracing rays is faster than reprojecting these surfaces. Empty until
-    /// it is computed for this piece.
+    /// Whether the current piece (the square of the image that is being drawn) shows too many surfaces in
+    /// mirrors or through glass to reproject them. Then tracing rays is faster. Empty until this is
+    /// determined for the piece.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
@@ -49,10 +49,9 @@ struct Workplace {
 /// program checks whether the user has cancelled.
 constexpr std::size_t views_between_looks = 64;
 
-/// Number of views (images for one lens point and instant) after which a trial ends. During the trial, the
-/// program counts the samples that show mirrors or glass, and those of them whose reflections and refractions
-/// the records determine accurately. If these are fewer than half, rays replace all samples of mirrors and
-/// glass in the later views.
+/// Number of views (images for one lens point and instant) in a trial. If the records determine the
+/// reflections and refractions accurately in fewer than half of the trial's pixels that show mirrors or
+/// glass, rays compute all colours of these in the later views.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -90,9 +89,9 @@ class Field {
     }
 
   private:
-    /// Draws all views of a piece, and stores their means in the images `out`. A piece is a square part of a
-    /// tile, which is a 64 px square of the image. (x, y) is the upper left corner of the piece, in px from
-    /// the tile's corner.
+    /// Draws a piece of the image: a square whose upper left corner is (x, y), in px from the corner of its
+    /// tile (64 px square of the image). `out` receives the mean colours of all views (images for one lens
+    /// point and instant).
     void draw_piece(std::size_t tile, int x, int y, Workplace& w, std::span<PatchPicture> out) const {
         const int x0 = static_cast<int>(tile) % bins_.columns() * SeenTile::edge + x,
                   y0 = static_cast<int>(tile) / bins_.columns() * SeenTile::edge + y;
@@ -266,9 +265,9 @@ class Field {
         }
     }
 
-    /// Removes the recorded surface from each pixel of the view that an unrecorded object may hide. Such an
-    /// object lies outside the recorded image. Seen from the lens point of this view and at its instant, it
-    /// may lie inside the image and cover recorded surfaces.
+    /// Removes recorded surfaces from a view (image for one lens point and instant) where an unrecorded
+    /// object may hide them. Such an object lies outside the recorded image. But the lens point or the motion
+    /// may shift it into the view, where it covers recorded surfaces.
     void leave_out_beyond_border(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             const BorderReach& border = borders_[v.uses[u].instant];
@@ -290,10 +289,9 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // `drawn` tells whether the directly visible surfaces are reprojected to this view. This is usually
-        // not needed in a piece of the image whose colours are all replaced by rays. But the highlights
-        // (`lights`), which are drawn separately, need the depths of these surfaces, because nearer surfaces
-        // hide highlights.
+        // Whether the directly visible surfaces are drawn in this view. They are not needed in a part of the
+        // image whose colours are all computed by rays, unless it contains highlights (`lights`), which
+        // nearer surfaces may hide.
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
@@ -322,9 +320,9 @@ class Field {
         }
         const bool trees = w.draws_trees && w.trees.any() && !w.rays.whole_tile() && !w.rays.parents_too &&
                            !(rays && v.moves());
-        // Adds the colours of the view. The instant of the view may lie between two recorded instants; then
-        // v.uses has two elements. In pixels in which both recorded instants show the same surface, its two
-        // colours are blended. In the other pixels, the nearer surface counts.
+        // Adds the colours of this view to the sums of the pixels. If the view's instant lies between two
+        // recorded ones, `v.uses` contains both. A pixel that shows the same surface at both is a blend of
+        // two colours. In other pixels, one surface counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);
             if (rays && trees) w.rays.set_aside_trees(shown, u, w.trees, w.sum);
@@ -339,9 +337,8 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Adds the colours of a view to the sums of all its pixels. This is faster than add_some, which handles
-    /// every view. But it requires that the view has no vignetting, which would make pixels black, and that
-    /// it is reprojected from a single recorded instant, so that no colours are blended.
+    /// Adds the colours of a view to the sums of its pixels. It is a faster variant of add_some for a view
+    /// without vignetting that is reprojected from a single recorded instant.
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);

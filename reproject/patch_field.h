@@ -18,22 +18,21 @@ namespace postlens {
 /// The patches (nearly planar parts of surfaces) of one recorded instant.
 struct PatchInstant {
     const PatchMesh* primary = nullptr;
-    /// Surfaces that the camera sees in mirrors or through glass; null if there are none.
+    /// Surfaces that are seen in mirrors or through glass; null if there are none.
     const PatchMesh* deeper = nullptr;
 };
 
-/// A view: the image that one lens point sees at one instant. The surfaces are recorded only at a few
-/// instants. Therefore, the view is reprojected from one recorded instant, or blended from two, between which
-/// its instant lies.
+/// A view: the image that one lens point sees at one instant. It is made by reprojection of the recorded
+/// surfaces. If its instant lies between two recorded ones, the view is a blend of two reprojections.
 struct PatchView {
     glm::dvec2 sample{0.5};  ///< sample position in every pixel, px
     double weight = 1;
     struct Use {
         std::size_t instant = 0;
         double share = 1;  ///< weight of the colour at this instant if both instants show the same surface
-        /// Motions of the objects, as maps on the raster. Objects that move alike form a group, and the
-        /// vector has one map for each group. A map leads from the position at the recorded instant `instant`
-        /// to the position at the instant of this view. The vector is empty if nothing moves.
+        /// Motions of the objects from the recorded instant, number `instant`, to that of the view. Objects
+        /// that move alike form a group, and the vector has one element per group: a map between the raster
+        /// positions at these instants. Empty if nothing moves.
         std::vector<RasterMap> motions;
     };
     std::vector<Use> uses;  ///< one or two
@@ -41,10 +40,9 @@ struct PatchView {
     /// Returns whether light through the lens point of this view reaches pixel (x, y). Vignetting blocks the
     /// other pixels, so they are black in this view. If the function is empty, no pixel is blocked.
     std::function<bool(int x, int y)> passes;
-    // Data of the rays that are traced for this view, because they replace some of its colours. `lens_point`
-    // is the point of the lens through which the rays pass. `light_before` is the fraction of the shutter's
-    // light before their instant. `set` and `number` number the view, and determine the random values of its
-    // rays. See the fields of SightLine.
+    // Rays can replace some of the view's colours. These four fields describe the rays, as in SightLine.
+    // `light_before` is the fraction of the exposure's light that arrives before the instant of the view.
+    // `set` and `number` are the seed of the rays' random values.
     glm::dvec2 lens_point{0};
     double light_before = 0.5;
     std::uint32_t set = 0;
@@ -65,24 +63,24 @@ enum class LeftToRays : std::uint8_t {
     samples_and_lights  ///< all samples of views, and also the highlights: no `lights` are added
 };
 
-/// A set of views (images for one lens point and instant), with the settings that they share. The mean of the
-/// views is an image, or a part of an image if the set is used only in some squares.
+/// A set of views (images for one lens point and instant), with their common settings. The views are averaged
+/// to make an image. Different parts of an image may use different sets, for example with more or fewer views
+/// (`wanted`).
 struct PatchViews {
     std::vector<PatchView> views;
-    /// Squares of the image may use different sets of views. Returns whether the views of this set are drawn
-    /// in the square of `width` x `height` px whose upper left pixel is (x, y). If the function is empty,
-    /// they are drawn in all squares.
+    /// Returns whether the views of this set are drawn in a square of the image, which has `width` x `height`
+    /// px and the upper left pixel (x, y). If the function is empty, they are drawn in the whole image.
     std::function<bool(int x, int y, int width, int height)> wanted;
-    /// Adds highlights to the image: small bright spots of surfaces, which the lens blurs over many pixels.
-    /// Their light is not part of the views' recorded colours. Null if there are none. Several threads call
-    /// its functions.
+    /// The highlights, which are small bright spots of surfaces. The lens blurs them over many pixels, so
+    /// they are not contained in the views, but are added to the image by this object. Null if there are
+    /// none. Several threads call its functions.
     const class Lights* lights = nullptr;
     /// Ray tracer that computes those samples of the views that cannot be reprojected from the recorded
     /// surfaces, for instance at edges. If it is null, no rays are traced.
     const SightRays* rays = nullptr;
-    /// Returns which samples rays replace in the square of the image that contains pixel (x, y). If the
-    /// function is empty, rays replace only the samples that the recorded surfaces do not determine, for
-    /// instance at edges (LeftToRays::unsure).
+    /// Tells which recorded colours of pixel (x, y) are replaced by the colours of traced rays. The result
+    /// must be the same in the whole square piece (PatchField::piece_px) that contains the pixel. If the
+    /// function is empty, the result is LeftToRays::unsure.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     /// Optional: returns how many rays per view are traced in pixel (x, y) in addition to the view samples.
     /// If the function is empty, none are. Requires `rays`, and views without vignetting.
@@ -91,31 +89,29 @@ struct PatchViews {
     /// with the same n are an independent set of lens points, positions in the pixel and instants.
     std::vector<std::vector<SightLine>> extra_lines;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
-    /// Optional: selects views in which the recorded colour of pixel (x, y) is compared with a traced ray, to
-    /// measure the error of this colour. The indices of these views in the vector `views` of this set are
-    /// appended to the argument `views`. Requires `rays`.
+    /// Optional function of the caller. It chooses the views in which a ray checks the recorded colour of
+    /// pixel (x, y), to measure the error of this colour. It appends the indices of these views in
+    /// PatchViews::views to its argument `views`. Requires `rays`.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Optional: selects some pixels at random, in which the error of the highlights' light is measured. For
-    /// this, rays are traced from these pixels towards the highlights, and are compared with the light in the
-    /// image. Returns the probability with which pixel (x, y) was selected, or 0 if it was not selected.
-    /// Requires `checked`.
+    /// Optional: chooses random pixels in which rays measure the error of the highlights, which are bright
+    /// spots that the lens blurs over many pixels. Returns the probability with which pixel (x, y) was
+    /// chosen, or 0 if it was not chosen. Requires `checked`.
     std::function<double(int x, int y)> aimed;
-    /// Index of the image in the argument `out` of patch_field to which this set belongs. The image stores
-    /// the mean of the set's views. Several sets may have the same index if each of them draws other squares
-    /// of this image (`wanted`).
+    /// Index of the image to which the views of this set contribute, in the argument `out` of the function
+    /// patch_field. The image is the mean of the views. Several sets may have the same index if they are
+    /// drawn in different squares of this image (`wanted`).
     std::size_t picture = 0;
 };
 
 struct PatchField {
     std::vector<PatchInstant> instants;
-    /// Returns the number of the group to which object `id` belongs. Objects that move alike form a group, so
-    /// they share a map of their motion. The function is needed only if objects move, or if `class_marks` is
-    /// set.
+    /// Returns the number of the group to which the object `id` belongs. All objects of a group move alike,
+    /// so one map (PatchView::Use::motions) describes their motion on the raster. Needed only if objects
+    /// move, or if `class_marks` is set.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// Bit mask of each group of objects, with the index that `motion_class` returns. It is 0 for a group
-    /// that does not move. The masks tell in the result where motion matters: for each pixel,
-    /// PatchPicture::touched combines the masks of all groups that may change the pixel. If the vector is
-    /// empty, `touched` is not computed.
+    /// Bit masks that tell which moving objects may change a pixel. There is one for each group of objects
+    /// that move alike (`motion_class`); it is 0 if the group does not move. PatchPicture::touched combines
+    /// them. If `class_marks` is empty, `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
     /// Width, in px, of the squares (pieces) into which the image is divided. They are drawn in parallel. The
@@ -124,13 +120,12 @@ struct PatchField {
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// Rectangle of pixels in the sample file, in raster px; the end is exclusive. Required if rays are
-    /// traced.
+    /// The rectangle of pixels that the sample file contains, in raster px, including the overscan around the
+    /// image. `recorded_end` is exclusive. Required if the views have rays (PatchViews::rays).
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// Half width and half height of the lens, in m, times film distance / pixel pitch, in px m. These are
-    /// the largest |x| and |y| that LensShift::lens_px, the lens point of a view, can have. Required if any
-    /// set has `rays` or `lights`. For instance, the light of a highlight may reach a pixel through lens
-    /// points that no view has.
+    /// Half width and half height of the lens, in m, times film distance / pixel pitch, so the unit is px m,
+    /// as that of LensShift::lens_px. No |x| or |y| of a lens point may be larger. Required if any set of
+    /// views has `rays` or `lights`.
     glm::dvec2 lens_reach_px{0};
 };
 
@@ -144,13 +139,13 @@ struct TileViews {
     std::vector<float> inverse_z;                       ///< 1/m; -1 if nothing is recorded
     std::vector<std::uint32_t> texel;
     /// All directly visible patches (planar parts of surfaces) that any lens point may see in this square of
-    /// the image, sorted from the nearest on. They tell which surfaces may hide a highlight. Null if objects
-    /// move.
+    /// the image, sorted from the nearest on. They are used to determine which surfaces hide a highlight.
+    /// Null if objects move.
     const PatchMesh* patches = nullptr;
 };
 
-/// A highlight is the part of a surface's radiance above a limit. The surface is reprojected without this
-/// part. The lens's point spread function distributes this part over the pixels instead.
+/// Draws highlights: the part of a surface's radiance above a limit. The lens's point spread function
+/// distributes it over the pixels, whereas the part up to the limit is reprojected to each view.
 class Lights {
   public:
     Lights() = default;
@@ -161,15 +156,16 @@ class Lights {
     virtual ~Lights() = default;
     /// Returns whether light of any highlight reaches a rectangle of the image, in px.
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
-    /// Adds the blurred light of the highlights in a tile (square of the image) to `light`. It has four
-    /// values per pixel and rows of TileViews::row pixels. `views` contains the surfaces that may hide
-    /// highlights.
-    /// - 0 to 2: red, green and blue radiance of the highlights;
-    /// - 3: the square of the brightest channel of this radiance as seen from one lens point, averaged over
-    ///   all lens points.
+    /// Adds the blurred light of the highlights in a tile (square of the image) to `light`. `views` contains
+    /// the surfaces that may hide highlights. The array `light` has rows of TileViews::row pixels, and four
+    /// values per pixel:
+    /// - 0 to 2: red, green and blue radiance of the highlights
+    /// - 3: the mean over all lens points of the squared radiance (brightest channel) seen from one lens
+    ///   point
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
-    /// A random ray from a pixel through the lens to a highlight.
+    /// A ray that measures the light of a highlight (bright spot that the lens blurs over many pixels). It
+    /// starts at a pixel, and passes through a random lens point to the highlight.
     struct Line {
         SightLine line;
         NodeIdentity highlight;
@@ -186,9 +182,9 @@ class Lights {
 };
 
 /// Error of the recorded colours in one pixel, measured in some views (images for one lens point and
-/// instant). In each of these views, a ray is traced, and the residual is its radiance minus the radiance
-/// that the view shows. If the view already shows the radiance of a ray instead of a recorded one, the
-/// residual is 0.
+/// instant). In each of them, a ray is traced, and the residual is its radiance minus the radiance that the
+/// view shows. If the view already shows the radiance of a ray instead of a recorded one, no further ray is
+/// traced, and the residual is 0.
 struct PixelCheck {
     std::uint32_t views = 0;
     std::uint32_t rays = 0;      ///< all rays of the pixel, except HighlightCheck::aimed
@@ -204,9 +200,8 @@ struct HighlightCheck {
     std::array<float, 3> aimed_sum{};  ///< sum along the rays that are aimed at the highlights
     std::uint32_t aimed = 0;           ///< number of these rays
     float aimed_share = 0;             ///< the result of PatchViews::aimed
-    /// Returns the error of the light that highlights (small bright spots, blurred by the lens) add to this
-    /// pixel. Rays traced from the pixel towards the highlights give the true light. The error is the mean of
-    /// these rays minus the light in the image. Returns 0 if no rays were traced.
+    /// Returns the error of the light that the highlights add to this pixel. It is the mean of the rays aimed
+    /// at the highlights minus the light in the image, or 0 if no rays were traced.
     [[nodiscard]] double residual(std::size_t channel) const {
         return aimed > 0
                    ? static_cast<double>(aimed_sum[channel]) / aimed - static_cast<double>(light[channel])
@@ -223,38 +218,38 @@ struct PatchPicture {
     Image image;  ///< mean of all known samples of views; black if no sample is known
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
-    /// For each pixel: the fraction of the views (images for one lens point and instant) in which a
-    /// reflection or refraction is missing. Each view counts by its PatchView::weight. A missing reflection
-    /// matters less if it is dark. Therefore, if its brightest recorded value b is darker than the pixel's
-    /// brightness p, the fraction is multiplied by b / p.
+    /// For each pixel: the weighted fraction of the views (images for one lens point and instant) in which it
+    /// lacks a reflection or refraction that is not recorded. If the brightest recorded value b of the
+    /// reflection is less than the pixel's brightness p, the fraction is multiplied by b / p.
     std::vector<float> unknown_below;
-    /// For each pixel: the fraction of the views (images for one lens point and instant) in which its colour
-    /// comes from a traced ray instead of the records. Each view counts by its PatchView::weight. Empty if
-    /// there is no ray tracer.
+    /// For each pixel: the fraction of the views in which the pixel's colour was computed by a traced ray,
+    /// and not reprojected from recorded surfaces. Each view is weighted by PatchView::weight. Empty if there
+    /// is no ray tracer.
     std::vector<float> traced;
-    /// Per pixel: measured error of its colour. Empty unless PatchViews::checked is set.
+    /// For each pixel: the error of its recorded colours, measured by traced rays in some of its views. Empty
+    /// unless PatchViews::checked, which chooses the views, is set.
     std::vector<PixelCheck> checks;
-    /// For each pixel: the light that highlights (small bright spots, blurred by the lens) add to the image,
-    /// and the mean of traced rays with which it is compared to measure its error. Empty if there are no
-    /// highlights, or if no pixels are selected for measuring errors because PatchViews::checked is empty.
+    /// For each pixel: the light that the highlights (bright spots that the lens blurs over many pixels) add
+    /// to the image, and the true light, measured by traced rays. Empty if there are no highlights, or if
+    /// PatchViews::checked is empty.
     std::vector<HighlightCheck> highlight_checks;
-    /// For each pixel: the mean square of the highlights' radiance, from which their noise is predicted if
-    /// rays compute their light. Each lens point may see a different radiance, of which the brightest channel
-    /// is squared and averaged over all lens points. It is the fourth value of Lights::add. Empty if the
-    /// image has no highlights.
+    /// For each pixel: the mean square of the highlights' radiance, which is the fourth value of Lights::add.
+    /// It predicts the noise if rays through random lens points computed this light. Empty if the image has
+    /// no highlights.
     std::vector<float> light_square;
-    /// For each pixel: which groups of moving objects may change its colour. Each group has a bit mask
-    /// (PatchField::class_marks), and the masks of all these groups are combined by a bitwise or. All bits
-    /// are set in a pixel in which these groups are unknown, because a view shows no recorded surface there.
+    /// For each pixel: which moving objects may change its colour, as the bitwise or of their bit masks
+    /// (PatchField::class_marks). All bits are set if a view shows no recorded surface in the pixel, because
+    /// any object may appear there.
     std::vector<std::uint8_t> touched;
 };
 
 /// Computes images with depth of field and motion blur. Each image of `out` (field.width x field.height px)
 /// is the mean of its views (images for one lens point and instant). Squares of the image in which no view is
-/// drawn keep their values. The result is bit-identical for any number of threads.
+/// drawn (PatchViews::wanted, PatchField::wanted_marks) keep their values. The result is bit-identical for
+/// any number of threads.
 ///
-/// The views may be divided among several calls. With rays and moving objects, the result may then differ,
-/// because each call estimates the objects' paths from its own views.
+/// The views may be divided among several calls. If objects move and rays replace colours (PatchViews::rays),
+/// the result may then differ, because each call estimates the objects' paths from its own views.
 void patch_field(const PatchField& field, std::span<PatchPicture> out);
 
 }  // namespace postlens

@@ -36,9 +36,10 @@ dmat4 camera_from_raster(const SampleHeader& h) {
     const double scale =
         perspective ? h.pixel_pitch_mm / h.film_distance_mm : h.pixel_pitch_mm * 1e-3;  // tangent or m per px
     const double x0 = -0.5 * h.width * scale, y0 = 0.5 * h.height * scale;
-    // Raster position (x, y) is in px, depth z in m. For a perspective camera, the returned matrix maps (x,
-    // y, 1, 1/z) to the camera-space point, divided by z. For an orthographic camera, it maps (x, y, z, 1) to
-    // this point.
+    // The matrix maps a surface point with the raster position (x, y), in px, and the depth z, in m, to
+    // homogeneous camera coordinates. For a perspective camera, it maps (x, y, 1, 1/z) to (X / z, Y / z, -1,
+    // 1 / z), where (X, Y, -z) is the point in the camera's frame. For an orthographic camera, it maps (x, y,
+    // z, 1) to (X, Y, -z, 1).
     return perspective
                ? dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(x0, y0, -1, 0), dvec4(0, 0, 0, 1))
                : dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(0, 0, -1, 0),
@@ -61,9 +62,8 @@ std::optional<RasterTangent> RasterMap::tangent(const RasterPoint& p, const glm:
                                                 const glm::dvec2& reach) const {
     const bool perspective = projection_ == Projection::perspective;
     if (!perspective && p.inverse_z == 0) return RasterTangent{p, {1, 0, slope.x}, {0, 1, slope.y}};
-    // `slope` is the gradient of 1/z over the raster, where z is the surface's depth. A perspective camera's
-    // motion matrix `m` multiplies 1/z, so it needs this gradient. But an orthographic camera's matrix
-    // multiplies z. Its gradient is that of 1/z times -z^2, so `by_depth` is -z^2 in this case.
+    // `slope` is the gradient of the inverse depth 1/z over the raster. For an orthographic camera, the
+    // matrix `m` maps z instead of 1/z, so the gradient of z is needed. It is -z^2 times the gradient of 1/z.
     const double z = perspective ? 1 : 1 / p.inverse_z, by_depth = perspective ? 1 : -z * z;
     const glm::dmat4& m = m_;
     const dvec4 depth = perspective ? m[3] : m[2];

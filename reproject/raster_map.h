@@ -36,12 +36,13 @@ class RasterMap {
     RasterMap(const glm::dmat4& matrix, Projection projection)
         : m_(matrix), projection_(projection), identity_(matrix == glm::dmat4(1)) {}
 
-    /// Maps a raster position and inverse depth to another instant. Returns nothing if the mapped point lies
+    /// Maps a surface point from one instant to another. The point is given by its position on the raster, in
+    /// px, and its inverse depth, in 1/m, and so is the result. Returns nothing if the mapped point lies
     /// behind the camera.
     [[nodiscard]] std::optional<RasterPoint> operator()(const RasterPoint& p) const;
-    /// Linearises this map around the point `p` of a surface. The result gives the mapped point, and how it
-    /// changes per px in x and y on the unmapped surface. Returns nothing if the map would move a part of the
-    /// surface behind the camera.
+    /// Returns the linear approximation of this map at the point `p` of a surface: the point to which `p` is
+    /// mapped, and how this mapped point changes if `p` moves by 1 px in x or y. Returns nothing if some part
+    /// of the mapped surface would lie behind the camera.
     /// - `slope`: gradient of the surface's inverse depth, in 1/m per px
     /// - `reach`: half the surface's width and height, in px
     [[nodiscard]] std::optional<RasterTangent> tangent(const RasterPoint& p, const glm::dvec2& slope,
@@ -56,10 +57,10 @@ class RasterMap {
     bool identity_ = true;
 };
 
-/// Displacement of a surface point's image, in px, if the image is seen from a lens point instead of the
-/// pinhole. It is `(I / s - w) lens_px + offset_px`. I is the unit matrix, and s the focus distance in m. w
-/// is I / depth for a point seen directly. For a point seen by reflection or refraction, it is the matrix
-/// Record::w, in 1/m.
+/// Displacement of a surface point's image, in px, if the scene is seen from a lens point instead of the
+/// pinhole: `(I * inverse_focus_per_m - w) lens_px + offset_px`. I is the 2x2 unit matrix. For a directly
+/// visible point, w is I / depth. For a reflected or refracted point, it is the matrix Record::w, in 1/m.
+/// `offset_px` is the same for all points.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;
@@ -68,16 +69,15 @@ struct LensShift {
     [[nodiscard]] bool none() const { return *this == LensShift{}; }
 };
 
-/// Returns one map that combines the motion of an object with the displacement of its image by a lens point.
-/// The object must be directly visible. For a reflection, the displacement does not depend on the depth, but
-/// on a matrix W that this map does not contain. `motion` must belong to a perspective camera, unless `lens`
-/// causes no displacement.
+/// Returns one map for a directly visible object: first its motion, then the displacement of its image
+/// because it is seen from a lens point instead of the pinhole. Not valid for reflections. `motion` must
+/// belong to a perspective camera, unless `lens` causes no displacement.
 [[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
 
-/// Returns the matrix that maps raster points to homogeneous camera coordinates at the frame's instant. The
-/// camera coordinates are in m, with x to the right and y up; the camera looks along -z. If a surface point
-/// lies at the raster position (x, y) and has the depth z, its raster point is (x, y, 1, 1/z) for a
-/// perspective camera and (x, y, z, 1) for an orthographic one.
+/// Returns the matrix that maps a surface point on the raster to the camera's coordinates at the frame's
+/// instant, both homogeneous. A point at the raster position (x, y), in px, with the depth z, in m, is (x, y,
+/// 1, 1/z) for a perspective camera and (x, y, z, 1) for an orthographic one. Camera coordinates are in m; x
+/// points to the right, y up, and the camera looks along -z.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
 
 /// The motions of all objects, as maps from one instant to another on the raster. The constructor reads them
@@ -89,8 +89,9 @@ class FrameMotion {
 
     /// Displacement on the raster, in px, as a function of time.
     using Displacement = std::function<glm::dvec2(double time_s)>;
-    /// Replaces the motion of one object's pixels in the image. `displacement` must include the motion that
-    /// the camera causes. `breaks_s` lists the instants at which the velocity changes abruptly.
+    /// Replaces the motion of the object `id` by a displacement of its pixels in the image. `displacement`
+    /// must include the motion that the camera causes. `breaks_s` lists the instants at which the velocity
+    /// changes abruptly.
     void set_displacement(std::uint32_t id, Displacement displacement, std::vector<double> breaks_s);
     /// Replaces the rigid motion of one object in the world. The camera's motion stays the same.
     void set_keys(std::uint32_t id, const std::vector<TransformKey>& keys);

@@ -1,6 +1,5 @@
 // Interface to a ray tracer that completes the views of a light field. A view is the image for one lens point
-// and instant. It is computed from the records of a sample file. Where these records do not determine the
-// colour of a view, the colour is computed by tracing a ray.
+// and instant. Where the records of a sample file do not determine its colour, a ray is traced.
 #pragma once
 
 #include <array>
@@ -23,9 +22,9 @@ struct SightLine {
     glm::dvec2 place{0.5};      ///< position in the pixel, px, where the ray crosses the plane in focus
     glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
     double light_before = 0.5;  ///< share of the exposure that lies before the ray's instant, 0 to 1
-    /// These two numbers are the seed of the ray's random numbers. `set` is the number of a set of rays, and
-    /// the sets are independent of each other. `view` is the number of the ray within its set. Rays of one
-    /// set with different `view` sample lights and scattering lobes in a stratified way.
+    /// Seed of the ray's random numbers. `set` is the number of the ray's set, and `view` is the ray's number
+    /// within this set. The sets are independent of each other. The samples of lights and scattering lobes
+    /// are stratified over the rays of one set.
     std::uint32_t set = 0, view = 0;
 };
 
@@ -36,15 +35,16 @@ inline SightLine line_through(const glm::dvec2& at) {
     return {.x = static_cast<int>(pixel.x), .y = static_cast<int>(pixel.y), .place = at - pixel};
 }
 
-/// Describes the bright radiance that traced rays must leave out. This radiance belongs to highlights, which
-/// the lens's point spread function adds to the image separately. If traced rays included it too, it would be
+/// Describes bright radiance that must be left out of traced rays. The image gets this radiance separately,
+/// as highlights, which the lens's point spread function spreads. If the rays included it too, it would be
 /// counted twice.
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
-    /// Decides for which surfaces radiance above the limit `above` is left out of the traced radiance.
-    /// Returns true if this is so for the object `id`. If the function is empty, nothing is left out.
+    /// Returns whether the radiance of a surface above the limit `above` is left out of the traced radiance,
+    /// because it is a highlight. If this function is empty, nothing is left out.
     /// - `path`: the reflections and transmissions by which the surface is seen
     /// - `parent_id`: the mirror or glass in which the surface is seen
+    /// - `id`: the object to which the surface belongs
     /// - `at`: raster position, in px, of a directly visible surface
     std::function<bool(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at)> of;
     std::vector<std::uint32_t> ids;  ///< ids of all objects for which `of` may return true, ascending
@@ -67,26 +67,25 @@ class SightRays {
     SightRays(SightRays&&) = delete;
     SightRays& operator=(SightRays&&) = delete;
     virtual ~SightRays() = default;
-    /// Traces the rays `lines`, and stores the scene-linear RGB radiance of each ray in `radiance`. For the
-    /// surfaces described by `less`, radiance above a limit is left out, because the lens's point spread
-    /// function adds it to the image. Thread-safe. The result of a ray does not depend on the other rays.
+    /// Traces the rays `lines`, and stores the scene-linear RGB radiance of each ray in `radiance`. The
+    /// radiance that `less` selects is left out, because the image gets it separately as highlights.
+    /// Thread-safe. The result of a ray does not depend on the other rays.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// Computes the radiance that `trace` leaves out. `less` sets a limit, and for some surfaces `trace`
-    /// leaves out the radiance above it. For each ray lines[i], this function computes only this excess
-    /// radiance, and only from the surface of[i].
+    /// Computes the radiance that `trace` leaves out: the part above the limit `less.above`, for the surfaces
+    /// that `less` selects. A ray may see several surfaces, directly and in mirrors. For the ray lines[i],
+    /// only the light of the surface of[i] is computed.
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
-    /// For each ray, finds its hit on the object `id`, and stores three values: the inverse depth of the hit,
-    /// in 1/m, and the derivatives of the inverse depth along raster x and y, in 1/m per px. If a ray misses
-    /// the object, its values are 0. Thread-safe. Only for static scenes.
+    /// Stores, for each of the rays `lines`, the inverse depth, in 1/m, at which it hits the object `id`, and
+    /// the derivatives of this inverse depth along raster x and y, in 1/m per px. All are 0 if the ray misses
+    /// the object. Thread-safe. Only for static scenes.
     virtual void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                                 std::span<glm::dvec3> inverse_z) const = 0;
-    /// Returns true if the radiance of each point of the object `id` is computed exactly, so that all rays
-    /// that reach it by `path`, a sequence of reflections and transmissions, get the same value. Returns
-    /// false if the radiance is estimated from random samples of lights or scattering lobes, because it then
-    /// differs from ray to ray.
+    /// Returns whether traced rays measure the radiance of the object `id` without noise. There is noise if
+    /// lights or scattering lobes are sampled at random. `path` is the sequence of reflections and
+    /// transmissions by which the rays reach the object.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
     /// A pixel's reflections can be drawn from recorded patches (planar parts of surfaces), or computed by
     /// tracing a ray. Returns the number of patches up to which drawing is faster.

@@ -43,9 +43,9 @@ Material whitted_material(const MetallicRoughness& from) {
     m.ior = from.solid && from.alpha == 1 ? from.ior : 1;
     if (from.roughness > smoothest) {
         if (m.reflects()) m.reflection_exponent = m.shininess;
-        // A part of the transmitted light, `through`, passes straight through the surface if alpha is below
-        // 1, and this part must stay sharp. But a Material has only one exponent for all transmitted light.
-        // Therefore, if `through` is not 0, no transmitted light is blurred.
+        // `transmission_exponent` blurs the transmitted light of a rough surface. If alpha is below 1, the
+        // part `through` of the light is transmitted without scattering and must stay sharp. But a Material
+        // has one exponent for all transmitted light, so it is set only if `through` is 0.
         if (through == 0 && m.transmission != dvec3(0)) m.transmission_exponent = m.shininess;
     }
     return m;

@@ -18,9 +18,9 @@ struct MeshEdge {
     friend bool operator==(const MeshEdge&, const MeshEdge&) = default;
 };
 
-/// Returns the edges of the mesh. Two edges are the same if their ends have equal positions; of several equal
-/// positions, the one with the lowest index is stored. An edge with more than two triangles is listed once
-/// per pair of successive triangles.
+/// Returns the edges of the mesh. Vertices with equal positions count as one, the one with the lowest index.
+/// If an edge belongs to only one triangle, `other` is `none`. If it belongs to more than two, it is listed
+/// once for each pair of consecutive triangles.
 [[nodiscard]] std::vector<MeshEdge> edges_of(const Mesh& mesh);
 
 /// Returns the part to which each triangle belongs, or an empty list if the mesh has a single part.

@@ -46,8 +46,9 @@ Decomposed decompose(const dmat4& m) {
         out.placement.scale = dvec3(0);
         return out;
     }
-    // The polar decomposition determines the rotation. It begins with columns of unit length, because only
-    // their directions determine the rotation. The lengths belong to the scale.
+    // The rotation is computed from `linear` by polar decomposition, an iteration that makes the columns of a
+    // matrix perpendicular. It starts with the columns of `linear` scaled to unit length. Their lengths are
+    // left out, because they belong to the placement's scale, not to its rotation.
     dmat3 r = linear;
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 0) r[i] /= length[i];

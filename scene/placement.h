@@ -20,9 +20,10 @@ struct Placement {
 /// A mirroring matrix gives a negative scale along x, and a singular matrix a scale of 0.
 struct Decomposed {
     Placement placement;
-    /// How far the matrix of `placement` differs from the matrix that was decomposed. They differ if the
-    /// latter contains shear, which a Placement cannot represent. The error is the largest distance between
-    /// corresponding columns of the two matrices, divided by the length of the longest column.
+    /// Error of `placement` as an approximation of the decomposed matrix. A Placement consists of
+    /// translation, rotation and scale, so it cannot represent shear. The error is the largest distance
+    /// between corresponding columns of the matrix of `placement` and the decomposed matrix, divided by the
+    /// length of the longest column.
     double error = 0;
 };
 [[nodiscard]] Decomposed decompose(const glm::dmat4& m);

@@ -174,7 +174,9 @@ struct Scene {
     glm::dvec3 background{0};
     glm::dvec3 ambient_light{1};  ///< Ia
     double exposure_stops = 0;    ///< set by `expose`
-    /// Lumens per watt by which photometric lights (in lux or candela) were divided. Empty if there are none.
+    /// The lights of a glTF file have photometric units (lux or candela). When the file was read, they were
+    /// divided by this number of lumens per watt, to obtain radiometric units. Empty if the scene has no such
+    /// lights.
     std::optional<double> lumens_per_watt;
     double metres_per_unit = 1;      ///< factor by which all lengths of the file were multiplied
     double time_s = 0;               ///< default time

@@ -18,9 +18,9 @@ namespace postlens {
 void complete_scene(Scene& scene, const std::filesystem::path& path, bool wants_light, double light_intensity,
                     std::optional<glm::dvec3> view_from = std::nullopt);
 
-/// Returns the horizontal direction in which most mesh surfaces face. It is the horizontal part of their mean
-/// normal, weighted by area. In a room without a front wall, it points out of the open front.
-/// Empty if this part is shorter than 0.1 or than the vertical part of the mean normal.
+/// Returns the horizontal direction in which most mesh surfaces face: the horizontal component of the mean
+/// surface normal, weighted by area. In a room without a front wall, it points out of the open front. Returns
+/// nothing if the horizontal component is shorter than 0.1 or than the vertical component.
 [[nodiscard]] std::optional<glm::dvec3> open_side(const Scene& scene);
 
 /// Returns true if a material reflects light from light sources: diffuse, diffuse_transmission or specular.

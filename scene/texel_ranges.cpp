@@ -7,9 +7,9 @@ namespace postlens {
 namespace {
 
 constexpr int first_square = 4;  ///< texels
-/// To find the range of colours in a rectangle of texels, the ranges of squares that cover it are combined.
-/// The squares are single texels, or larger squares of 4, 8, ... texels whose ranges are precomputed. The
-/// smallest size is used for which the rectangle is at most this many squares wide and high.
+/// Largest width and height, in squares, of an area whose range of colours is combined from the ranges of
+/// squares. The squares are single texels, or have 4, 8, 16, ... texels per side and precomputed ranges. The
+/// smallest size with which the area does not exceed this limit is used.
 constexpr double most_across = 9;
 
 int place(double at, int count, bool wrap) {
@@ -74,10 +74,9 @@ ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x
     }
     const int width = level == 0 ? width_ : levels_[level - 1].width,
               height = level == 0 ? height_ : levels_[level - 1].height;
-    // These functions return the column and the row of the precomputed square that contains a position, given
-    // in texels. If the image repeats, the position is first wrapped into the image. It would be wrong to
-    // wrap the square's index instead, because the last square of a row or column may contain fewer texels
-    // than the others.
+    // These functions return the column and the row of the square of texels that contains a position, in
+    // texels. In a repeated image, the position must be moved into the image first, and not the square's
+    // index, because the last squares may contain fewer texels.
     const auto column = [&](double x) { return static_cast<int>(place(x, width_, wrap_x) / edge); };
     const auto row = [&](double y) { return static_cast<int>(place(y, height_, wrap_y) / edge); };
     const auto squares = [](int first, int last, int count, bool wraps) {

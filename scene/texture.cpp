@@ -10,15 +10,17 @@
 namespace postlens {
 namespace {
 
-// Inlined, so that callers compiled for several instruction sets need no function calls for floor and fma.
+// Always inlined, because functions of this file are compiled for several instruction sets. Inlined code is
+// compiled with its caller's instruction set, so that std::floor and std::fma may become single instructions
+// instead of function calls.
 [[gnu::always_inline]] inline double exact_cell(double c, double offset, double size) {
     if (std::isinf(size)) return 0;
     const double d = c - offset;
     const double quotient = d / size;
     const double cell = std::floor(quotient);
-    // `quotient` is the position of a point in units of checkerboard cells. It is a rounded number, so its
-    // floor may be wrong if the point is very close to the border of a cell. In this case, the sign of the
-    // remainder decides, which is computed exactly (Knuth's two-sum and fma).
+    // Returns the index of the checkerboard cell that contains a point. `quotient`, the point's position in
+    // cells, is rounded. Therefore, if the point is very close to a border, its difference from the border is
+    // computed exactly (Knuth's two-sum and fma). The sign of the difference tells the cell.
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;
@@ -127,12 +129,12 @@ ColourRange Texture::range(const glm::dvec3& low, const glm::dvec3& high) const 
         out.add(colour_at(high));
         return out;
     }
-    // Converts the box with the corners `low` and `high` from texture coordinates to texels, which are
-    // counted from the image's upper left corner. The box is then extended by `reach`. With bilinear
-    // interpolation, this is half a texel, because texel centres lie at half-integers and the colour at a
-    // point depends on the texel centres around it.
+    // Converts the box from `low` to `high` from texture coordinates to texels, counted from the image's
+    // upper left corner.
     const double x = repeat.x * low.x * image_.width, y = (1 - repeat.y * high.y) * image_.height;
     const double x_end = x + across.x * image_.width, y_end = y + across.y * image_.height;
+    // With bilinear interpolation, a colour depends on the texels whose centres are less than one texel away.
+    // Centres lie at half-integers, so the box is extended by half a texel on each side.
     const double reach = image_.nearest ? 0 : 0.5;
     return ranges_.of(image_.rgb, std::floor(x - reach), std::floor(x_end + reach), std::floor(y - reach),
                       std::floor(y_end + reach), !image_.clamp_u, image_.wrap_v || repeat.y != 1);

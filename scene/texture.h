@@ -46,7 +46,8 @@ class Texture {
     explicit Texture(ImageTexture image);
     /// Returns the colour at a surface point: `object` in object space, m, and texture coordinates `uv`.
     [[nodiscard]] glm::dvec3 colour(const glm::dvec3& object, const glm::dvec2& uv) const;
-    /// Returns true if `colour` depends on uv, and false if it depends on the position in object space.
+    /// Returns true if the function `colour` uses the surface's texture coordinates `uv`, and false if it
+    /// uses the position in object space.
     [[nodiscard]] bool uses_uv() const { return is_image_ || checker_.dimensions == 2; }
     /// Returns the greatest channel value that `colour` can return.
     [[nodiscard]] double maximum() const { return maximum_; }
@@ -58,10 +59,9 @@ class Texture {
     [[nodiscard]] glm::dvec3 colour_at(const glm::dvec3& place) const {
         return colour(place, glm::dvec2(place));
     }
-    /// Returns the range of all colours that the texture has in the box with the corners `low` and `high`.
-    /// The texture coordinates of an image may have a seam, where they jump from one border of the image to
-    /// the opposite one. If those of the two corners are half an image or more apart, a seam probably lies
-    /// between them. In this case, only the colours of the corners are included.
+    /// Returns the range of all colours of the texture in the box from `low` to `high`, in texture positions
+    /// (see `place`). If these differ by half an image or more, there is probably a seam of the texture
+    /// between them. Then only the colours of the two corners are included.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

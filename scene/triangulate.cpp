@@ -17,7 +17,9 @@ double turn(const dvec2& a, const dvec2& b, const dvec2& c) {
 }
 
 dvec3 newell_normal(std::span<const dvec3> polygon) {
-    // Subtracts the first corner, so that a polygon far from the origin loses no precision.
+    // The sum of the cross products of successive corners is a normal of the polygon. Corners are taken
+    // relative to the first one, because the products of large coordinates would lose precision if the
+    // polygon is far from the origin.
     dvec3 normal(0);
     for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
         normal += glm::cross(polygon[i] - polygon[0], polygon[i + 1] - polygon[0]);
@@ -85,7 +87,9 @@ Triangulation triangulate(std::span<const dvec3> polygon) {
     const dvec3 normal = newell_normal(polygon);
     double longest2 = 0;
     for (const dvec3& p : polygon) longest2 = std::max(longest2, glm::dot(p - polygon[0], p - polygon[0]));
-    // Areas below 1e-14 times the polygon's squared extent count as rounding errors of the coordinates.
+    // If twice an area is below this limit, it counts as 0, because rounding errors of the coordinates may
+    // have caused it. The limit is 1e-14 times the squared distance from the first corner to the farthest
+    // one.
     const double no_turn = 1e-14 * longest2;
     if (!(glm::length(normal) > no_turn)) {
         out.fault = PolygonFault::no_area;

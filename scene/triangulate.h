@@ -19,9 +19,9 @@ struct Triangulation {
 };
 
 /// Divides a polygon into triangles. The polygon must be simple (its sides do not cross) and have at least 3
-/// corners. It may be concave and need not be flat. Its corners may be collinear or repeated. A convex
-/// polygon becomes a fan of triangles about its first corner. Others are divided by ear clipping
-/// [meisters1975]. Triangles without area are omitted.
+/// corners. It may be concave and need not be flat. Its corners may be collinear or repeated. Triangles
+/// without area are omitted. A convex polygon becomes a fan of triangles about its first corner. Others are
+/// divided by ear clipping [meisters1975].
 ///
 /// If the result's `fault` is not `none`, its `triangles` is empty.
 [[nodiscard]] Triangulation triangulate(std::span<const glm::dvec3> polygon);

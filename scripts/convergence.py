@@ -96,7 +96,9 @@ def main():
             mine = [r for r in rows if r["sampler"] == sampler]
             slope = math.log(mine[-1]["rmse"] / mine[0]["rmse"]) / math.log(SPP[-1] / SPP[0])
             file.write(f"| {sampler} | " + " | ".join(cell(r) for r in mine) + f" | n^{slope:.2f} |\n")
-        # The reference is the mean of two independently rendered halves. Its RMS noise is half of their RMS difference.
+        # The two halves of the reference were rendered independently, and the reference is their mean. If each half has
+        # the noise n, their difference has n sqrt(2), and their mean n / sqrt(2). So the noise of the reference is half
+        # of the difference between the halves.
         file.write(f"\nThe halves of the reference are {floor['psnr_db']:.1f} dB apart; affected pixels: "
                    f"{100 * floor['affected_share']:.0f} %.\n")
 

@@ -109,12 +109,12 @@ def main():
         with open(at("whole.exr"), "rb") as a, open(at("merged.exr"), "rb") as b:
             if a.read() != b.read():
                 sys.exit(f"farm_table.py: {name}: the merged file is not the undivided one")
-        # Seconds that `merge` needs for each merged file. The time of a merge is proportional to the total size of its
-        # files. If each share renders some of the samples (`by`), every file is as large as the whole image. The time
-        # then grows with the number of files, so one file takes a quarter of the time measured for four. Otherwise,
-        # each share renders some of the rows. Then all files together are as large as one image, so their number does
-        # not matter.
+        # Computes the seconds that `merge` needs for each share (the part of the work that one task does). `of_four`
+        # is the measured time of joining four shares.
         merge = of_four / 4
+        # If shares divide the samples (`by`), each share is as large as the whole image, so the time grows with the
+        # number of shares. If they divide the rows, all shares together are as large as one image, so
+        # `per_part` is 0.
         per_part = merge if by else 0.0
 
         def simulated(n):

@@ -28,10 +28,9 @@ ROWS = [  # file, f-number, focus distance in m, whether the shutter is open fro
     ("motion.toml", "1.4", "4", True),
 ]
 SPD_ROWS = [("balls.nff", "1.4", "2", False), ("mount.nff", "1.4", "2", False)]
-# Options for the SPD scenes (Standard Procedural Databases). Their images are made with a lens of 200 mm and f/1.4, so
-# its diameter is 143 mm. `trace` must record what such a wide lens sees. It computes the diameter as film distance /
-# f-number, and the film distance of these scenes is 43.3 mm. Therefore it gets the f-number 0.3, which gives a diameter
-# of 144 mm.
+# Options for the SPD scenes (Standard Procedural Databases). Their images are made with a lens of 200 mm and f/1.4,
+# whose diameter is 143 mm. `trace` computes the diameter as 43.3 mm, the film distance, divided by the f-number. So it
+# needs the f-number 0.3.
 SPD_SIZE, SPD_FOCAL_LENGTH_MM, SPD_FOR_F_NUMBER = "240x240", "200", "0.3"
 
 

@@ -29,8 +29,8 @@ import random_scene
 HERE = os.path.dirname(os.path.abspath(__file__))
 BARS = os.path.join(HERE, "..", "samples", "scenes", "bars.toml")
 SIZE, OVERSCAN, FILM_MM, FILM_DISTANCE_MM = (480, 270), 24, 36, 50
-# Seeds of random_scene.py. In the first scene, an object is in focus, and others are nearer and farther. The second
-# has nine near objects and one far object.
+# The random scenes of this table, given by their seeds for random_scene.py. In the first scene, one object is in focus,
+# and others are nearer and farther. The second scene has nine near objects and one far object.
 SEEDS = (28, 35)
 NOTHING = "(nothing)"  # name for the matte of the area that no object covers
 PICTURES = ("whole", "far", "ground")

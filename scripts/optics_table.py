@@ -18,9 +18,9 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "..", "samples", "scenes", "optics")
-# The test cases. For each scene, the first element lists the focus distances in m. The second is the window in which
-# images are compared: its left, top, right and bottom edges, as fractions of the image's width and height. The window
-# is chosen so that no lens point sees past the object's silhouette.
+# The test cases. For each scene: a list of focus distances in m, and the window in which images are compared (left,
+# top, right and bottom edge, as fractions of the image). The window lies so far inside the mirror or glass that no
+# point of the lens sees the background there.
 CASES = {
     "flat_mirror": ([1.2, 5.4], (0.22, 0.22, 0.78, 0.78)),
     "convex_mirror": ([1.1, 1.33], (0.32, 0.18, 0.68, 0.82)),

@@ -28,9 +28,9 @@ class SweepKeys {
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
     [[nodiscard]] std::string of(const SweepSetting& s) const { return key(s, predicted_); }
-    /// Returns whether an image from an earlier run can be kept, because it has the settings `s`. The
-    /// settings of an image are compared by their hash, the key. `earlier` is the key of the image from the
-    /// earlier run. If its error was predicted then, it is kept even if this run predicts no errors.
+    /// Returns whether an image from an earlier run can be kept, because it was made with the settings `s`.
+    /// `earlier` is the key of the earlier image, which is a hash of its settings. An image with a predicted
+    /// error is kept even if this run does not predict errors.
     [[nodiscard]] bool fits(const std::string& earlier, const SweepSetting& s) const {
         return earlier == of(s) || earlier == key(s, true);
     }
@@ -42,9 +42,9 @@ class SweepKeys {
     bool predicted_ = false;  ///< true if the errors of the images are predicted
 };
 
-/// Returns the table rows of the images that earlier runs of the sweep made. The key of a row is the image's
-/// file name. The rows are read from the file `json`. If `settings.share` is not set, they are also read from
-/// the tables of all machines that shared the sweep. Returns nothing unless `settings.resume` is set.
+/// Returns the table rows of images from earlier runs, by file name. They are read from the file `json`. If
+/// `settings.share` is not set, the tables of all machines that shared the sweep are read too. Returns
+/// nothing unless `settings.resume` is set.
 [[nodiscard]] std::multimap<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& json);

@@ -12,9 +12,8 @@
 namespace postlens {
 
 /// A sweep makes an image for each combination of lens settings. Each list contains the values of one
-/// setting. Every list needs at least one value, with three exceptions. `shutters` may be empty. A real lens
-/// (prescription) has its own focal length, so `focal_lengths_mm` is not used. It also has its own f-number,
-/// which is used if `f_numbers` is empty.
+/// setting. Every list needs at least one value, except `shutters`. With a real lens (prescription),
+/// `focal_lengths_mm` is not used, and `f_numbers` may be empty.
 struct SweepAxes {
     std::vector<Impulse> impulses{Impulse{}};
     std::vector<TimeSpan> shutters;  ///< empty: no motion blur
@@ -34,9 +33,9 @@ struct SweepSetting {
 
 struct SweepGrid {
     std::vector<SweepSetting> pictures;
-    /// Number of images in each row of the contact sheet, which shows thumbnails of all images. It equals the
-    /// number of values of the innermost setting that has several values. Therefore, each row shows a series
-    /// in which only this setting varies.
+    /// Number of images in each row of the contact sheet, which shows thumbnails of all images. The images
+    /// are combinations of settings, made in nested loops. The number is that of the values in the innermost
+    /// loop that has several values. So only this setting varies within a row.
     std::size_t row = 1;
 };
 
@@ -45,8 +44,8 @@ struct SweepGrid {
 /// distance. File names always contain f-number and focus distance. They contain the other settings only if
 /// these vary.
 ///
-/// Throws Error(wrong_arguments) if there are more than `most_pictures` images, or if a required list is
-/// empty. Also throws the errors of reading a prescription.
+/// Throws Error(wrong_arguments) if there are more than `most_pictures` images, or if a list that needs a
+/// value (SweepAxes) is empty. Also throws the errors of reading a lens prescription.
 [[nodiscard]] SweepGrid sweep_grid(const SweepAxes& axes);
 
 /// Replaces the one placeholder in a pattern such as "NAME.%04d" by `i`. Returns nothing for any other

@@ -123,8 +123,8 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
     FocusResult r = focus_picture(frame_, focus);
     const FocusMethod method = r.method;
     MadePicture out = made(std::move(r), method_name(method));
-    // The error is predicted by comparing the image with a light field image, the reference. A pinhole image
-    // is more accurate than this reference, so its error is not predicted.
+    // The error of an image is predicted by comparison with a reference, which is a mean of many views. A
+    // pinhole image is more accurate than this reference, so no error is predicted for it.
     if (method != FocusMethod::pinhole) predict(out, {.focus = focus});
     return out;
 }

@@ -21,10 +21,13 @@ namespace postlens {
 /// Settings that all images of a sweep share. Their names and defaults are those of the command `focus`, or
 /// of `shoot` for images with motion blur.
 struct PictureSettings {
-    /// Method that makes the images of the sweep. If they have motion blur (a shutter), the default is
-    /// lightfield, and the only other choices are hybrid and automatic. Without a shutter, the default is
-    /// automatic if `target_db` or `scene` is given. Otherwise, it is what usual_method returns for the file:
-    /// layers or scatter.
+    /// Method that makes the images of the sweep. If absent, it is
+    /// - lightfield with motion blur (a shutter)
+    /// - otherwise automatic if `target_db` or `scene` is given
+    /// - otherwise the method that usual_method returns: layers if the file contains hidden surfaces, mirrors
+    ///   or glass, else scatter
+    ///
+    /// With motion blur, only lightfield, hybrid and automatic are allowed.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;
@@ -34,9 +37,9 @@ struct PictureSettings {
     ShutterCurve curve = ShutterCurve::box();
     std::vector<ObjectPath> paths;  ///< motion of objects; replaces the motion in the file
     const Scene* scene = nullptr;   ///< scene in which hybrid and automatic trace rays
-    /// Accuracy that the method `automatic` must reach, as a PSNR in dB. If no target, no scene and no
-    /// shutter are given, `automatic` makes the images with the method that usual_method chooses for the
-    /// file.
+    /// Accuracy that the method `automatic` must reach, as a PSNR in dB. May be absent. If the scene and the
+    /// shutter are absent too, no accuracy can be aimed at, and `automatic` uses the method that usual_method
+    /// returns for the file: layers or scatter.
     std::optional<double> target_db;
     bool predict = false;  ///< predict the error of every image (predict_error)
 };
@@ -50,9 +53,9 @@ void check_counts(const std::optional<int>& depths, const std::optional<int>& vi
 /// Throws Error(wrong_arguments) if --depth-spacing or --depth-model (depth through mirrors and glass) is
 /// given, but has no effect on `method`.
 void check_depth_options(DepthSpacing spacing, DepthModel model, FocusMethod method);
-/// Checks that `method` traces rays, which only hybrid and automatic do. Otherwise, throws
-/// Error(wrong_arguments). `name` is the option that needs rays, and the message begins with it. The class
-/// PictureMaker does not make this check for images with a shutter.
+/// Throws Error(wrong_arguments) if `method` does not trace rays. Only hybrid and automatic do. `name` is the
+/// option that needs rays, and the message begins with it. PictureMaker does not call this function for
+/// images with a shutter.
 void check_traces_rays(std::string_view name, FocusMethod method);
 
 struct MadePicture {
@@ -70,9 +73,9 @@ struct MadePicture {
 class PictureMaker {
   public:
     /// Prepares to make images from the sample file `file`, to which it keeps a reference. `with_shutter`
-    /// tells whether the images have motion blur. Throws Error(wrong_arguments) if motion blur is needed but
-    /// settings.method does not support it, or if another setting does not fit the method. Throws
-    /// Error(invalid_input) if settings.paths, the motion of objects, names an unknown object.
+    /// tells whether the images have motion blur. Throws Error(wrong_arguments) if a setting or motion blur
+    /// does not fit the method. Throws Error(invalid_input) if settings.paths, the motion of objects, names
+    /// an unknown object.
     PictureMaker(const SampleFileReader& file, PictureSettings settings, bool with_shutter);
     PictureMaker(const PictureMaker&) = delete;
     PictureMaker& operator=(const PictureMaker&) = delete;

@@ -78,8 +78,8 @@ class Sweep {
         std::future<std::string> drawn;  // declared after `sheet`, which it reads
         Progress progress("sweep", pictures_to_make());
         try {
-            // Images of earlier runs come first, so that sweep.json lists them even if this run is
-            // interrupted.
+            // Images of an earlier run are kept before new images are made. Then sweep.json lists the kept
+            // images even if this run is interrupted while it makes the others.
             keep_what_is_there(sheet ? &*sheet : nullptr, progress);
             if (settings_.join == Join::no) make_the_others(sheet ? &*sheet : nullptr, progress);
             if (settings_.join != Join::no) check_complete();
@@ -119,9 +119,9 @@ class Sweep {
         return count;
     }
 
-    /// Returns whether the image number i can be kept from an earlier run. This is so if the earlier run made
-    /// it with equal settings and its file has not changed since. If so, takes over its row of the table, and
-    /// reads the image into `image`, unless this is null.
+    /// Returns whether the image number i of an earlier run can be kept, because it was made with equal
+    /// settings and its file has not changed. If so, its table row is copied, and the image is read into
+    /// `image`, unless `image` is null.
     bool keep(std::size_t i, const std::multimap<std::string, SweepRow>& earlier, Image* image) {
         const auto [begin, end] = earlier.equal_range(name_in_json(names_[i]));
         if (begin == end) return false;
@@ -281,9 +281,9 @@ class Sweep {
         return use(once);
     }
 
-    /// Returns the gradient energy, a measure of the amount of detail, of the pinhole image that has the same
-    /// field of view as the image `made`. The pinhole image is sharp everywhere. The caller compares its
-    /// gradient energy with that of `made`, to show how much detail the lens blur removes.
+    /// Returns the gradient energy, a measure of the amount of detail, of the pinhole image with the same
+    /// field of view as the image `made`. Compared with the gradient energy of `made`, it shows how much
+    /// detail the lens blur removes.
     double pinhole_energy_for(const MadePicture& made) {
         const double zoom = made.geometry ? made.geometry->zoom : 1;
         const auto [known, is_new] = pinhole_energies_.try_emplace(zoom);
@@ -291,9 +291,9 @@ class Sweep {
             FocusSettings pinhole{.lens = {.focal_length_mm = 50, .f_number = HUGE_VAL},
                                   .method = FocusMethod::pinhole};
             if (zoom != 1) {
-                // The image `made` is magnified by the factor `zoom`, so the pinhole image must be too. The
-                // film distance determines the magnification. With Framing::lens and a focus at infinity, it
-                // equals the focal length, which is therefore `zoom` times the traced film distance.
+                // The pinhole image must be magnified by `zoom`, like the image `made`. The magnification is
+                // proportional to the distance from the lens to the film. With Framing::lens and a focus at
+                // infinity, this distance equals the focal length.
                 pinhole.framing = Framing::lens;
                 pinhole.lens.focal_length_mm = zoom * file_.header().film_distance_mm;
                 pinhole.focus_distance_m = HUGE_VAL;
@@ -322,9 +322,8 @@ class Sweep {
             settings_.picture.scene != nullptr ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
-        // The warning states how large errors of position in the image are. These errors are proportional to
-        // the gain (film distance in px) times the squared aperture radius. Therefore, the warning is
-        // computed only once for lenses with an equal product.
+        // The errors of position are proportional to the gain (film distance in px) times the squared
+        // aperture radius, so lenses with an equal product share one computed warning.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);

@@ -19,18 +19,19 @@ struct SweepSettings {
     SweepAxes axes;
     PictureSettings picture;
     std::string format = "exr";  ///< extension of the images: exr, png, tif or jpg
-    /// Pattern for numbered file names, such as "pull.%04d". If absent, file names contain the settings.
+    /// Pattern for the file names of the images, such as "pull.%04d", in which %04d is replaced by the
+    /// image's number. If absent, the name of an image is made from its settings, such as focus distance and
+    /// f-number.
     std::optional<std::string> frames;
     std::vector<glm::dvec2> at;  ///< raster positions, px, at which the CoC is reported; empty: a 3 x 3 grid
     double coc_limit_px = 1;     ///< CoC diameter below which a pixel is in focus, px; positive
-    /// Keeps images of an earlier run in the same folder if sweep.json states equal settings, an equal sample
-    /// file and the image's checksum.
+    /// Whether to keep images that an earlier run has made in the same folder. An image is kept if the file
+    /// sweep.json of that run contains equal settings, the checksum of an equal sample file, and the checksum
+    /// of the image. Otherwise, the image is made again.
     bool resume = false;
-    /// The share of this computer, if several computers divide a sweep: `I` of `N` shares. It makes only
-    /// every N-th image, and writes the table sweep.I-of-N.json.
-    ///
-    /// When all computers have finished, the results are joined by a last run, which has `resume` but no
-    /// `share`. It keeps the images of all computers, and writes sweep.csv and contact.png.
+    /// Which share of the sweep this computer makes, if several computers divide it: `I` of `N` shares. Each
+    /// computer makes every N-th image, and writes a table of these images, sweep.I-of-N.json. One more run
+    /// with `resume`, but without `share`, then joins the results.
     std::optional<Share> share;
     std::string part;      ///< JSON that a share's table stores under the key "part"; empty: none
     Join join = Join::no;  ///< if not `no`, with `resume`: no image is made
@@ -55,11 +56,11 @@ struct SweepResult {
     std::optional<std::filesystem::path> contact_sheet;  ///< absent above ContactSheet::most_pictures
 };
 
-/// Writes the images, sweep.csv, sweep.json and contact.png into `folder`, which is created if needed. Files
-/// are written atomically, and sweep.json about once a second.
+/// Makes the images of the sweep, and writes them with sweep.csv, sweep.json and contact.png into `folder`,
+/// which is created if needed. Files are written atomically, and sweep.json about once a second.
 ///
-/// Throws Error(wrong_arguments) before anything is written. Throws Error(cannot_write) and the errors of
-/// PictureMaker.
+/// If settings are wrong, throws Error(wrong_arguments) before anything is written. Throws
+/// Error(cannot_write), and the errors that the class PictureMaker throws while it makes an image.
 [[nodiscard]] SweepResult sweep(const std::filesystem::path& frame, const SweepSettings& settings,
                                 const std::filesystem::path& folder);
 

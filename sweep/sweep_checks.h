@@ -1,5 +1,5 @@
-// Checks the settings of a sweep before the first image is made. If a setting is wrong, all functions throw
-// Error(wrong_arguments) with the option's name.
+// Checks the settings of a sweep before the first image is made. If a setting is wrong, the functions in this
+// file throw Error(wrong_arguments) with the option's name.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +14,9 @@
 
 namespace postlens {
 
-/// Returns the raster positions, in px, at which the circle of confusion is reported in the table of the
-/// sweep. These are the positions in the settings or, if there are none, a grid of 3 x 3 points.
+/// Returns the raster positions, in px, at which the circle of confusion is reported for each image of the
+/// sweep. These are the positions in the settings. If the settings contain none, they are a grid of 3 x 3
+/// points.
 [[nodiscard]] std::vector<glm::dvec2> sweep_points(const SweepSettings& s, const SampleHeader& h);
 
 /// Returns the images' file names, in the order of the grid.

@@ -1,6 +1,5 @@
 // The table of a sweep, which is a series of images with different lens settings. The table has one row for
-// each image. It is written as CSV and as JSON. A later run with --resume reads the JSON table and makes only
-// the images that are missing or have changed.
+// each image, and is written as CSV and as JSON. A later run with --resume reads the JSON table.
 #pragma once
 
 #include <filesystem>

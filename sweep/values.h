@@ -11,7 +11,8 @@
 
 namespace postlens {
 
-/// Largest number of values in a list, and of images in a sweep.
+/// Largest number of values that a list of settings, such as f-numbers, may have. It is also the largest
+/// number of images in a sweep.
 inline constexpr std::size_t most_pictures = 10000;
 
 /// Each function parses "ITEM,ITEM,...", where an item is a value or a range. Throws Error(wrong_arguments),
@@ -20,9 +21,8 @@ inline constexpr std::size_t most_pictures = 10000;
 /// Parses f-numbers, which are positive numbers or `inf` for the pinhole. A range is written as FROM:TO:STEP,
 /// where STEP is in stops, for example "1/2" or "0.5".
 ///
-/// The last value of a range may exceed TO, because the f-numbers engraved on a lens are rounded. For
-/// example, 2:11:1 ends at 11.31, which is engraved as 11. The excess is at most a tenth of a stop, and at
-/// most half a step.
+/// The last value may exceed TO by at most a tenth of a stop and at most half a step, because the f-numbers
+/// engraved on a lens are rounded. For example, 2:11:1 ends at 11.31.
 [[nodiscard]] std::vector<double> f_number_list(const std::string& option, std::string_view text);
 
 /// Parses focus distances s in m, which are positive numbers or `inf`. A range is written as FROM:TO:COUNT.

@@ -119,7 +119,9 @@ class Renderer {
         return done;
     }
 
-    // Traces the next samples, up to 16 per pixel, of tiles [begin, end). Skips tiles that already have them.
+    // Traces one round of samples in the tiles [begin, end). In a round, each pixel gets up to 16 samples.
+    // `round` is the number of the round. A tile that already has the samples of this round, because an
+    // interrupted render is resumed, is skipped.
     void trace(int round, std::size_t begin, std::size_t end) {
         std::vector<RayCounts> counts(end - begin);
         const auto add_up = [&] {
@@ -170,10 +172,10 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // `of_block` is the sum of one block of a pixel's samples. With --share, each program run renders
-            // whole blocks, and their sums are added up later. Without --share, a block is also summed
-            // separately before it is added to the pixel's sum. So both ways add the same numbers in the same
-            // order, and the images are identical in every bit.
+            // `of_block` is the sum of one block of a pixel's samples. The option --share divides the blocks
+            // among several program runs, and their sums are added later. So that the image is bit-identical
+            // with and without --share, the same numbers must be added in the same order. Therefore, without
+            // --share, too, each block is summed separately before it is added to the pixel's sum.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
             for (int i = 0; i < count; ++i, ++ray) {

@@ -56,7 +56,8 @@ struct RenderSettings {
     /// Text that marks each written file as one part of a render, to be merged (pictures/picture_part.h).
     /// If empty, the files are ordinary images.
     std::string part_mark;
-    /// If {i, n}: renders only the i-th of n parts of every pixel's samples, counted from 0.
+    /// For program runs that share the samples of every pixel. If it is {i, n}, the samples are divided into
+    /// n parts, and only part number i, from 0 to n - 1, is rendered.
     std::optional<std::array<int, 2>> sample_share;
 };
 
@@ -71,8 +72,9 @@ struct RenderResult {
     double motion_error_px = 0;  ///< greatest error, px, of the linear steps by which Embree moves meshes
 };
 
-/// The samples of a pixel are divided into blocks, so that `shares` program runs can each render some of the
-/// blocks. Returns the number of blocks.
+/// Returns the number of blocks into which the `spp` samples of each pixel are divided. Several program runs
+/// can share a render: each of the `shares` runs renders some of the blocks. If `halves` is true, the samples
+/// form two independent halves, and each half is divided into this number of blocks.
 /// Throws Error(wrong_arguments) if there are more runs than blocks.
 [[nodiscard]] int sample_blocks(int shares, int spp, bool halves);
 
@@ -82,11 +84,13 @@ struct RenderResult {
 /// Any viewer can display the image so far. Additional channels contain the sums of the samples.
 [[nodiscard]] std::filesystem::path partial_path(const std::filesystem::path& path);
 
-/// Renders to the file `path`, and with `halves` also to half_paths(path).
+/// Renders the image to the file `path`. With RenderSettings::halves, also writes two images, each from an
+/// independent half of the samples, to half_paths(path).
 /// The files are bit-identical for any number of threads, and after any interruption and resumption.
 /// Throws:
 /// - Error(wrong_arguments) if a setting is out of range.
-/// - Error(interrupted), after writing partial_path.
+/// - Error(interrupted), after the state has been written to partial_path(path), from where a later run can
+///   resume.
 /// - Error(invalid_input) if the file to resume from is damaged or has other settings.
 /// - Error(out_of_memory) or Error(cannot_write).
 RenderResult render_to_file(const Scene& scene, const RenderSettings& settings,

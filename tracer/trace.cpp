@@ -24,9 +24,9 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// Width, px, of a border around the traced window in which depth edges are also searched for. A depth edge is
-// where a near surface ends in front of a far one. Past such an edge in the border, a point of the lens may
-// see a hidden surface that is to be recorded inside the window.
+// Width, px, of a border around the traced window. From some lens points, a surface is visible past the edge
+// of a nearer one. This surface is to be recorded if it lies inside the window, but the edge may lie outside.
+// So edges are also searched for in the border.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -107,8 +107,8 @@ class Instant {
 
     [[nodiscard]] const WhittedTracer& tracer() const { return *tracer_; }
     [[nodiscard]] const CameraModel& camera() const { return camera_; }
-    /// Returns how surface points move on the raster from this instant to others of the shutter interval.
-    /// Null if there is no shutter interval.
+    /// Predicts how surface points move on the raster, from the instant of this tracer to other instants of
+    /// the shutter interval. Null if there is no shutter interval.
     [[nodiscard]] const FilmMotion* motion() const { return motion_ ? &*motion_ : nullptr; }
     [[nodiscard]] bool has_hidden_layers() const { return hidden_; }
 
@@ -198,9 +198,10 @@ std::vector<double> instants_near(const SceneMotion& motion, double at_s,
 std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
     constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
     constexpr std::uint64_t rows_of_records = 32;
-    // Memory per pixel of LensReach, which decides what the lens may see. It stores the inverse depth of each
-    // pixel, a float. It also stores a pyramid of minima and maxima in squares of 1, 2 x 2, 4 x 4, ...
-    // pixels. The pyramid has 4/3 squares per pixel, with two floats each.
+    // Memory, bytes per pixel, for LensReach. This object decides which hidden surfaces the lens may see past
+    // the edges of nearer ones. It stores the inverse depth of each pixel, a float. It also stores the least
+    // and the greatest of these values, two floats, for squares of 1, 2 x 2, 4 x 4, ... pixels. There are 4/3
+    // squares per pixel.
     constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;
     const auto width = static_cast<std::uint64_t>(camera.width),
                height = static_cast<std::uint64_t>(camera.height);
@@ -348,7 +349,10 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         instant = std::make_unique<Instant>(scene, settings, of, motion, at_s, result.instants_s);
     };
     result.overscan_px = settings.overscan_auto ? 0 : settings.overscan_px;
-    // The overscan must suffice for the motion between each recorded instant and its two neighbours.
+    // Enlarges the overscan, the traced border around the frame, for each further recorded instant. The image
+    // at an instant between two recorded ones is made from the records of both. So the records of each
+    // instant must contain what motion brings into the frame until the next recorded instant, or since the
+    // previous one.
     for (std::size_t i = 1; settings.overscan_auto && i < result.instants_s.size(); ++i) {
         const double at_s = result.instants_s[i];
         const FilmMotion near(motion, of, settings.camera, at_s,
@@ -357,17 +361,19 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant, &near));
     }
     go_to(time_s);
-    // Enlarges the overscan, the traced border around the frame, for the frame's own instant `time_s`. Some
-    // methods make the whole image from the records of this instant only. Therefore, these records must
-    // contain everything that moves into the frame at any time in the shutter interval.
+    // Enlarges the overscan, the traced border around the frame, for the instant `time_s` of the frame. Some
+    // methods make the whole image from the records of this one instant. So these records must contain
+    // everything that motion brings into the frame at any time of the exposure, and not only until the next
+    // recorded instant.
     if (settings.overscan_auto)
         result.overscan_px =
             std::max(result.overscan_px, overscan_for(settings, *instant, instant->motion()));
     const int width = camera.width, height = camera.height, o = result.overscan_px;
     require_trace_memory(camera, o, settings, path);
     const SampledWindow window{-o, width + o, -o, height + o};
-    // All recorded instants share one quadtree, so it must be fine enough for the narrow objects of every
-    // instant.
+    // Finds the narrow objects at every recorded instant, and how often pixels must be divided so that eye
+    // rays hit them. The limit of this division, `subdivision.levels`, is the same for all recorded instants,
+    // so it must suffice for each of them.
     std::vector<SmallThings> small_things(result.instants_s.size());
     settings.subdivision.edge_levels = settings.subdivision.levels;
     settings.subdivision.colour_levels =

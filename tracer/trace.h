@@ -21,47 +21,52 @@ struct TraceSettings {
     std::string camera_name;       ///< if empty, the first camera of the scene
     std::optional<double> time_s;  ///< if absent, the scene's default instant
     SubdivisionSettings subdivision{.levels = 2};
-    /// If a lens is given (`for_f_number`) and this is true, pixels at the edges of objects are divided at
-    /// least `lens_levels` times. Then `subdivision.levels`, the depth of the pixels' quadtrees, limits only
-    /// the division of pixels with contrast.
+    /// If true and a lens is given (`for_f_number`), pixels at the edges of objects are divided into quarters
+    /// at least `lens_levels` times, even if `subdivision.levels` is smaller. Inside objects, where pixels
+    /// are divided only because of their colours' contrast, `subdivision.levels` remains the limit.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
-    /// The depth of the quadtree of each pixel (`subdivision.levels`) for methods that also trace rays when
-    /// they make the image. They trace rays where the samples of the file are too coarse. docs/planner.md
-    /// compares the times for other values.
+    /// The value of `subdivision.levels`, i.e. how often a pixel may be divided into quarters, for methods
+    /// that also trace rays when they make an image. A small value suffices for these methods, because they
+    /// trace rays wherever the recorded samples are too far apart. docs/planner.md compares the times for
+    /// other values.
     static constexpr int ray_levels = 1;
-    /// Largest angle, degrees, by which an object may turn relative to the camera from one recorded instant
-    /// to the next. It determines the number of recorded instants if `keys` is absent. With 15 degrees, an
-    /// object at any instant is turned by at most 7.5 degrees relative to the nearest recorded instant. Of a
-    /// ball, the records of that instant then lack a strip of the surface, whose width is only 0.9 % of the
-    /// radius (one minus the cosine of 7.5 degrees).
+    /// Greatest angle, degrees, by which an object may turn relative to the camera from one recorded instant
+    /// to the next. It determines the number of recorded instants if `keys` is absent. By turning, an object
+    /// shows surface that was not recorded. With 15 degrees, every instant is within 7.5 degrees of a
+    /// recorded one. Then a ball shows, at its outline, an unrecorded strip of only 0.9 % of its radius (1 -
+    /// cos 7.5 degrees).
     double degrees_per_key = 15;
-    /// Largest turn, degrees, between two recorded instants (`degrees_per_key`), for methods that also trace
-    /// rays when they make the image. These rays show surfaces that the records lack, so fewer recorded
-    /// instants suffice for them.
+    /// The value of `degrees_per_key` for methods that also trace rays when they make an image. It is the
+    /// greatest angle, degrees, by which an object may turn relative to the camera between two recorded
+    /// instants. It is greater than for other methods, because rays show the surfaces that no recorded
+    /// instant contains.
     static constexpr double ray_degrees_per_key = 30;
-    /// Target PSNR, dB, for the error that arises because the light changes between recorded instants. It
-    /// determines the number of these instants if `keys` is absent. The default target of `auto` for the
-    /// whole error is 40 dB. With 43 dB, this part has half the squared error of 40 dB, which leaves the
-    /// other half for all other errors.
+    /// Least PSNR, dB, with respect to one error: light changes between recorded instants, where it is
+    /// interpolated. If the number of recorded instants (`keys`) is absent, it is chosen so that this PSNR is
+    /// reached. By default, the method `auto` makes images with 40 dB in total. An error at 43 dB has half
+    /// the squared error of 40 dB, so the other half remains for all other errors.
     double light_db = 43;
-    /// Target PSNR, dB, for light that changes between recorded instants (`light_db`), for methods that also
-    /// trace rays. It is 12 dB less than the value for other methods. With half as many recorded instants,
-    /// the error of linear interpolation between them is about four times as large, i.e. 12 dB. So about half
-    /// as many instants suffice.
+    /// The value of `light_db` for methods that also trace rays when they make an image. `light_db` limits
+    /// the error that arises because the light changes between recorded instants. It is the least accepted
+    /// PSNR, dB, and here it is 12 dB lower than for other methods. So about half as many recorded instants
+    /// suffice: with twice the distance between them, the error of linear interpolation is about four times
+    /// as large, i.e. 12 dB.
     static constexpr double ray_light_db = 31;
-    /// A hidden surface is not recorded if the lens or motion reveals only strips of it, beside the edges of
-    /// objects, that are at most this wide, px.
+    /// A hidden surface is recorded only if the lens or motion reveals a strip of it that is wider than this,
+    /// px. Such a strip appears beside the edge of a nearer object when the lens point or the instant
+    /// changes.
     double narrow_strip_px = HiddenLayers::invisible_px;
-    /// Largest width, px, of strips of hidden surfaces that are not recorded (`narrow_strip_px`), for methods
-    /// that also trace rays when they make the image. These methods trace rays up to 1 px beside edges
-    /// anyway, so records of narrow strips would not save rays.
+    /// The value of `narrow_strip_px` for methods that also trace rays when they make an image. A hidden
+    /// surface is not recorded if the lens or motion reveals only a strip of it that is at most this wide,
+    /// px. These methods trace rays anyway within 1 px of the edge beside which the strip lies. So a record
+    /// of a narrow strip would save no rays.
     static constexpr double ray_narrow_strip_px = 2;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
-    /// Settings of the tracer. trace_to_file sets `lens_radius_m`, the radius of the lens, from
-    /// `for_f_number`. If this is absent, it uses the camera's f-number, or else f/1.4. With `for_f_number`,
-    /// it also sets `bend_radius_m` to this radius, so that the nonlinear motion of mirror images over the
-    /// lens is measured.
+    /// Settings of the tracer. Two of them are set by trace_to_file. `lens_radius_m`, the radius of the lens,
+    /// follows from `for_f_number`. If `for_f_number` is absent, the f-number is that of the camera, or else
+    /// 1.4. If `for_f_number` is given, `bend_radius_m` is set to the same radius. Then the tracer measures
+    /// how nonlinearly mirror images move when the lens point moves over this lens.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =
@@ -70,16 +75,17 @@ struct TraceSettings {
     std::optional<double> for_focus_m;
     std::optional<TimeSpan> for_shutter;
     /// Number of hidden surfaces, 0 to 16, that are recorded behind every visible surface. If it is absent,
-    /// only those hidden surfaces are recorded that the shutter `for_shutter` or the lens `for_f_number` may
-    /// reveal.
+    /// only hidden surfaces that may become visible are recorded: during the exposure `for_shutter`, or from
+    /// a point of the lens whose f-number is `for_f_number`.
     std::optional<int> hidden_layers;
     bool hidden_auto =
         false;  ///< `hidden_layers` is absent on purpose; requires `for_shutter` or `for_f_number`
-    /// Number of recorded instants, 1 to 64. They are evenly spaced over the interval `for_shutter`. If the
-    /// number is 1, only the frame's own instant, `time_s`, is recorded. If it is absent, it is chosen from
-    /// the motion and the changes of the light.
+    /// Number of recorded instants, 1 to 64, evenly spaced over the interval `for_shutter`. If the number is
+    /// 1, only the frame's own instant, `time_s`, is recorded. If no number is given, one is chosen from the
+    /// motion and the changes of the light.
     std::optional<int> keys = 1;
-    /// Automatic exposure, in stops, to write to the file (tracer/exposure.h). If absent, none is written.
+    /// Exposure correction, in stops, that was found automatically (tracer/exposure.h). It is written to the
+    /// sample file. If absent, none is written.
     std::optional<double> auto_exposure_stops;
     RecordCompression compression = RecordCompression::zips;
     std::string made_by;  ///< written to the file (SampleHeader::made_by)
@@ -94,16 +100,17 @@ struct TraceResult {
     std::uint64_t records = 0;
     std::uint64_t bytes = 0;
     RayCounts rays;
-    /// Number of objects that eye rays may miss. Such objects are narrower than the smallest quadtree cells,
-    /// or the limited number of cells does not suffice for them. If pixels are not subdivided, all objects
-    /// narrower than 1.5 px are counted.
+    /// Number of narrow objects that may be missing in the file, because all eye rays may miss them. Eye rays
+    /// pass through the corners of quadtree cells. Such an object is narrower than the smallest cells, or the
+    /// limited number of cells did not suffice for it. If pixels are not subdivided, all objects narrower
+    /// than 1.5 px are counted.
     std::uint64_t too_narrow_objects = 0;
     int overscan_px = 0;
     int keys = 1;                    ///< number of evenly spaced recorded instants
     std::vector<double> instants_s;  ///< recorded instants; the frame's own is first
-    /// The largest angle, degrees, by which an object or the camera turns during the shutter interval, and
-    /// the text that says why this number of instants, `keys`, is recorded. Both are set only if the number
-    /// is chosen automatically.
+    /// Two results that are set only if the number of recorded instants, `keys`, is chosen automatically: the
+    /// greatest angle, degrees, by which an object or the camera turns during the shutter interval, and a
+    /// text for the user that explains the number.
     std::optional<double> keys_sweep_degrees;
     std::string keys_reason;
 };

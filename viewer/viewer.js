@@ -46,9 +46,9 @@ let depths = null;   // {ids, inverse}
 let causes = null;   // causes of the error of `causes.picture`: {picture, rgba, report}
 let generation = 0;  // serial number of the latest request
 let firstUnderWay = false, refining = false;
-// Time, in ms, of the first change of the lens that occurred while a coarse image was being made, or 0 if
-// there was none. After a change of the lens, a first, coarse image is requested, and it is always finished.
-// If the lens changes meanwhile, images for the new lens are requested only after that.
+// When the lens changes, a coarse image is requested first, and it is always finished, even if the lens
+// changes again meanwhile. Then `again` is the time, in ms, of the first of these changes, and images for the
+// newest lens are requested as soon as the coarse image is finished. Otherwise, it is 0.
 let again = 0;
 const timings = [];  // for benchmarks: {views, input, answered, painted}
 window.postlens = { timings, state: () => ({ shown, other, depths, causes, lens, frame, generation, working: firstUnderWay || refining }) };
@@ -127,7 +127,9 @@ async function refocus(input = performance.now()) {
     if (mine !== generation) return;  // a newer request has replaced this one during its refinement
     firstUnderWay = refining = false;
     if (picture) {
-      // While a coarse preview is shown, copying and saving already use the options of the final image.
+      // A coarse preview is shown until the final image is ready. If the user copies the command or saves the
+      // image meanwhile, the final image is meant. So the preview is stored with the options of the last
+      // stage, `all.at(-1)`.
       shown = { ...picture, options: isQuick ? { ...options, ...all.at(-1) } : asked };
       if (!isQuick) settled = shown;
       const answered = performance.now();

@@ -160,9 +160,9 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
                          o.image)});
         return;
     }
-    // `preference` compares the image's errors against two references, which should be equally good. It is
-    // their difference, divided by its standard error. If only chance decides which reference the image is
-    // nearer to, its magnitude exceeds 4 once in 16000 images. So a larger magnitude causes a warning.
+    // If two references are equally good, an image is about equally near to both. `preference` is the
+    // difference between the image's two squared errors, in standard errors. By chance, its magnitude exceeds
+    // 4 only once in 16000 images.
     if (c.noise && std::abs(c.noise->preference) > 4) {
         out.warnings.push_back(
             {"unlike_references",

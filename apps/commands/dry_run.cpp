@@ -45,14 +45,14 @@ std::vector<int> spread(int count, int most) {
     return out;
 }
 
-/// Returns the estimated cost (time and memory) of item i, for example of a frame. The time is interpolated
-/// linearly between the nearest measured items before and after it. The memory is the larger of their two
-/// values.
+/// Returns the estimated cost (time and memory) of item i, for example of a frame. It is estimated from the
+/// nearest items before and after i whose cost was measured.
 Cost between(const std::map<int, Cost>& measured, int i) {
     const auto above = measured.lower_bound(i);
     if (above == measured.end()) return measured.rbegin()->second;
     if (above->first == i || above == measured.begin()) return above->second;
     const auto below = std::prev(above);
+    // The time is interpolated linearly between the two items, and the memory is the larger of theirs.
     const double t = static_cast<double>(i - below->first) / (above->first - below->first);
     return {below->second.seconds + t * (above->second.seconds - below->second.seconds),
             std::max(below->second.memory_bytes, above->second.memory_bytes)};
@@ -115,9 +115,10 @@ class Measured {
         return work_.by_samples ? of_samples(whole) : of_rows(whole);
     }
 
-    /// Runs the user's command once in its own process, and returns the time and memory that it needed.
+    /// Runs the command whose cost is predicted (`work_`) once in its own process, and returns the time and
+    /// memory that it needed.
     /// - `more`: options that are added to the command line
-    /// - `amount`: number of samples or views, instead of the user's
+    /// - `amount`: number of samples or views for this run, instead of the user's number
     /// - `ending`: extension of the output file
     [[nodiscard]] Cost run(const std::vector<std::string>& more, int amount, const std::string& ending) {
         std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string()};
@@ -157,13 +158,14 @@ class Measured {
     }
 
     /// Predicts the command's run time as a linear function of its number of samples or views: a fixed time
-    /// plus a time for each. For this, two short runs are measured, with only a few samples or views: N in
-    /// the first run and 2N in the second. N is doubled until the times of the two runs clearly differ.
+    /// plus a time for each. The function is found from two short runs, the second with twice as many samples
+    /// or views as the first. Their numbers are doubled until the two times clearly differ.
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
-        // The first timing run uses a sixteenth of the command's samples or views. The number is rounded down
-        // to an even number, because --halves divides samples into two equal halves.
+        // Number of samples or views for the first of several timing runs: one sixteenth (1 / first_part) of
+        // those of the full command. It is an even number, because --halves divides samples into two equal
+        // halves.
         int amount = std::min(work_.amount, std::max(2, work_.amount / first_part / 2 * 2));
         Cost a = run(more, amount);
         if (work_.amount_option.empty()) return {a.seconds, 0, 1, a.memory_bytes};
@@ -196,10 +198,9 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // Two short runs, one of the middle frame and one of frame i, used the same number of samples or
-            // views, `of_middle.measured`. `scale` is the ratio of their times. The time of the middle frame
-            // with all samples or views (`work_.amount`) is already predicted. So this time multiplied by
-            // `scale` predicts the time of frame i.
+            // Predicts the full time of frame i from a short run with only a few of its samples or views. For
+            // the frame in the middle of the sequence, both times are known. The full times of the two frames
+            // are assumed to have the same ratio as their short times, `scale`.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -213,9 +214,9 @@ class Measured {
         return out;
     }
 
-    /// Predicts the time of each machine if several machines divide the images of the command `sweep`. The
+    /// Predicts the cost (time and memory) for machines that divide the images of the command `sweep`. The
     /// time of a machine is a fixed time, for example for reading the sample file, plus a time for each of
-    /// its images. Both are measured by short runs.
+    /// its images.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
@@ -250,10 +251,8 @@ class Measured {
     }
 
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
-        // Returns the cost of each machine if every machine computes some samples of every pixel. For each
-        // pixel, the output file stores several sums of radiance, each over a block (some of the pixel's
-        // samples). So a machine that stores more blocks needs more memory. The timing runs stored one block
-        // only, so the difference is added.
+        // Returns the predicted cost (time and memory) for each of `shares` machines, of which each computes
+        // some of the samples of every pixel.
         const ImageSize size = read_image_size(output_);
         const int blocks =
             (sample_blocks(work_.shares, work_.amount, halves()) + work_.shares - 1) / work_.shares;
@@ -261,16 +260,17 @@ class Measured {
             return RenderState::bytes(size.width, size.height, halves() ? 2 : 1, b);
         };
         Cost each = whole.at(static_cast<double>(work_.amount) / work_.shares);
+        // A machine stores the radiance of each pixel as several sums, each over a block of samples. The
+        // measured runs stored only one block. Therefore, the memory of the further blocks is added.
         each.memory_bytes += bytes(blocks) - bytes(1);
         return std::vector<Cost>(static_cast<std::size_t>(work_.shares), each);
     }
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // Measures the cost of several machines' shares, each of which is a group of the image's rows. The
-        // earlier timing runs, whose result is `whole`, computed all rows, with `whole.measured` samples or
-        // views. The runs made here compute only 1/shares of the rows. Therefore, in the same time, they can
-        // use `shares` times as many samples or views, `amount`.
+        // Measures the cost (time and memory) for machines that each compute a group of the image's rows. The
+        // earlier timing runs, `whole`, computed all rows. A run for one machine computes only 1/shares of
+        // the rows, so it can use `shares` times as many samples or views in about the same time.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

@@ -12,7 +12,8 @@ namespace postlens {
 
 /// A command whose time and memory `--dry-run` predicts.
 struct DryRun {
-    /// The words of the command line, without --share, --dry-run and the options that name output files.
+    /// The words of the command line with which the command is run for measurements. Omitted are --share,
+    /// --dry-run, and the options that name output files, because measurements write only temporary files.
     std::vector<std::string> words;
     std::string output;
     int shares = 1;
@@ -26,8 +27,9 @@ struct DryRun {
     int amount = 0;
 };
 
-/// Predicts the time and memory of each task, and returns them as JSON. Measures small versions of the
-/// command in separate processes, which write only to a temporary folder.
+/// Predicts the time and memory that each machine needs for its share of the command, and returns them as
+/// JSON. To measure these, runs the command with fewer samples, views or frames in separate processes. These
+/// write only to a temporary folder.
 [[nodiscard]] CommandResult dry_run(const DryRun& work);
 
 }  // namespace postlens

@@ -80,8 +80,8 @@ CommandResult run_focus(const FocusOptions& options) {
     // file, and not an image of another program (`is_foreign`).
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign, options.input);
-    // --metres-per-unit and --lumens-per-watt are checked only for sample files. For a file of another
-    // format, the error that open_frame throws is clearer.
+    // For sample files, the options --metres-per-unit and --lumens-per-watt are checked here. A file of
+    // another format is not checked: open_frame below rejects it, with an error that states the real cause.
     if (SampleFileReader::is_sample_file(options.input)) check_units(options.retrace);
     const Damage damage = damage_rule(options.salvage);
     const auto open = open_frame(options.input, options.kept,
@@ -132,10 +132,9 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    // `has_views` is true if the image may be made by averaging views (images seen from single lens points).
-    // This is useful for a lens with a finite f-number. If the user names the scene file, it is also useful
-    // for a pinhole, because additional rays are then traced into the scene. They find surfaces that are
-    // smaller than the distance between the sample file's records.
+    // With a pinhole, views (images seen from single lens points) are all seen from the same point, so they
+    // are not needed. But if the user names the scene, the views are made nevertheless, because rays find
+    // surfaces that are too small for the samples in the file.
     const bool has_views = std::isfinite(lens.lens.f_number) || options.retrace.scene;
     if (method == FocusMethod::automatic && has_views) {
         AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},
@@ -155,9 +154,8 @@ CommandResult run_focus(const FocusOptions& options) {
     check_sufficient(file.header(), lens.lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
     // Adds a warning if some reflections or refractions are blurred inaccurately. When the lens point moves,
-    // the image of a reflected or refracted object moves on the raster. Sample files describe this motion as
-    // linear, by the matrix W of each record. So the warning concerns objects whose motion is strongly
-    // nonlinear, for example in curved mirrors.
+    // the image of a reflected or refracted object moves on the raster. A sample file describes this motion
+    // as linear, but in a curved mirror, for example, it may be strongly nonlinear.
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials &&
         !options.retrace.scene) {
         const SampleHeader& h = file.header();

@@ -43,9 +43,8 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
-/// Composites the images named by the option --behind behind `picture`: each is placed behind those before
-/// it. A pixel at an edge is a mixture of several surfaces at different depths. Therefore, such pixels of the
-/// images are first split into one sample per surface.
+/// Adds further images, named by the option --behind, to the image `picture`. Each image shows what is hidden
+/// behind the images before it, so it is composited behind them.
 void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, const ForeignCameraChoice& camera,
                     std::size_t& unmixed) {
     ForeignChoice choice = options.choice;
@@ -61,6 +60,8 @@ void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, cons
     }
     for (const std::string& name : options.behind) {
         ForeignPicture back = read_foreign_picture(name, choice, camera);
+        // A pixel at an edge mixes the colours of surfaces at different depths. It is split into one sample
+        // per surface, so that these can be composited separately.
         unmixed += unmix_edges(back);
         const LaidBehind laid = lay_behind(picture, back, name);
         for (ForeignRepair& r : back.repairs) {
@@ -219,9 +220,9 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // Sets `choice.focal_length_mm`, the focal length of the camera that rendered the image. If the user
-    // states it, it is in `lens`. But if the impulse response comes from a lens prescription
-    // (ImpulseKind::lens), `lens` holds the prescription's focal length instead, so it is not used here.
+    // Sets the focal length of the camera that rendered the image, in mm. The user can state it, in `lens`.
+    // But if the impulse response comes from a lens prescription (ImpulseKind::lens), `lens` contains the
+    // focal length of the prescription, not that of the camera, so it is not used here.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;
@@ -232,11 +233,11 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method_of_foreign_picture();
     const FocusMethod method = unplanned ? usual.method : options.method;
-    // Checks the options against the method. The option --views states the number of views (images seen from
-    // single lens points), so it is usually allowed only for methods that make views. However, if an extra
-    // output channel is averaged over views (`by_views`), --views is allowed for all methods, and is not
-    // checked here.
+    // Checks that the options suit the method. The option --views states the number of views (images seen
+    // from single lens points), so it is refused if the method makes no views.
     check_depth_options(options.spacing, options.depth_model, method);
+    // Some extra output channels (`by_views`) are averages over views, with every method. If they are wanted,
+    // --views is not checked.
     check_counts(options.depths, options.foreign.passes.by_views() ? std::nullopt : options.views, method);
     check_crop(options.crop, picture.width, picture.height);
     const double f_number =

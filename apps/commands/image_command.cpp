@@ -8,9 +8,9 @@ namespace postlens {
 CommandResult run_image(const ImageOptions& options) {
     const std::string& output = options.output;
     check_output(output);
-    // Another program's image is processed by `foreign_image`. The function `is_foreign` recognises such an
-    // image by the file's content, which may be unreadable if the file is damaged. Therefore, with --salvage,
-    // which reads damaged sample files, the file is assumed to be a sample file.
+    // Tests whether the input is an image of another program, which `foreign_image` processes, and not a
+    // sample file. `is_foreign` reads the file's header, which may be damaged. But with --salvage, which is
+    // only for damaged sample files, the input is assumed to be a sample file.
     if (!options.salvage && is_foreign(options.input)) return foreign_image(options);
     refuse_foreign_options(options.foreign, options.input);
     const Damage damage = damage_rule(options.salvage);

@@ -25,9 +25,9 @@ PartFacts facts_of(const std::string& name) {
     return out;
 }
 
-/// `part` is a result file that one machine wrote, when several machines divided a `sweep` or a `chart`.
-/// Returns the command line that made it, which the file contains. With this command line, `merge` runs the
-/// command again, which joins all parts.
+/// Returns the command line that made the file `part`, the result of one of several machines that divided a
+/// `sweep` or a `chart`. This command line is stored in the file. `merge` runs it again to join the files of
+/// all machines.
 std::vector<std::string> words_in(const PartFacts& part) {
     const std::vector<std::string> words = words_of_mark(part.mark);
     const auto foreign = [](const std::string& word) {

@@ -11,9 +11,9 @@
 
 namespace postlens {
 
-/// Returns the share whose result is the file `name`, if several machines divided the work of a command into
-/// N shares (--share I/N). The share is read from `mark`, JSON that is stored in the file's metadata. Throws
-/// Error(invalid_input) if `mark` is not in the format of mark_of (share.h).
+/// Returns which share of a command's work the file `name` contains, if several machines divided the work
+/// (--share I/N). The share is read from `mark`, the JSON in the file's metadata. Throws Error(invalid_input)
+/// if `mark` is not in the format of mark_of (share.h).
 [[nodiscard]] Share share_in(const nlohmann::ordered_json& mark, const std::string& name);
 
 /// Description of a part without its contents.
@@ -31,9 +31,9 @@ void check_same_work(const PartFacts& first, const PartFacts& other);
 class FoundParts {
   public:
     void add(const PartFacts& part);
-    /// A command is divided into `count` shares, one per machine. Returns the numbers (0 to count - 1) of
-    /// those shares whose result file was not added. If there are any, throws an error unless `partial` is
-    /// true.
+    /// Returns the numbers (0 to count - 1) of the shares for which `add` has not received a result file.
+    /// `count` is the number of machines that divided the command, each with one share. If a file is missing
+    /// and `partial` is false, throws an error.
     [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
 
   private:

@@ -219,13 +219,14 @@ void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warn
 
 CommandResult run_motionblur(const MotionBlurOptions& options) {
     check_output(options.output);
-    // The header of a damaged file may not show its format. With --salvage, the file is therefore assumed to
-    // be a sample file.
+    // An image of another program is blurred by motion vectors, in blur_by_vectors. `is_foreign` recognises
+    // such an image by its header, which may be damaged. But --salvage is only for damaged sample files, so
+    // with this option the file is assumed to be a sample file.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
     const VectorChoice& v = options.vectors;
-    // The options checked here describe the motion, depth and objects of another program's image. A sample
-    // file contains these data itself, so the options are refused. If the file has neither format, they are
-    // not refused here, because reading the file then fails with an error that states the real cause.
+    // Refuses options that describe the motion, depths and objects of another program's image, because a
+    // sample file contains these data itself. A file that is neither such an image nor a sample file is not
+    // checked here, because reading it later fails with an error that states the real cause.
     if (SampleFileReader::is_sample_file(options.input)) {
         if (v.channels || v.scale || v.offset || !v.file.empty() || options.foreign.given()) {
             fail(ExitCode::wrong_arguments,

@@ -32,11 +32,12 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
     write_image(path, out, crop);
 }
 
-// Reads the scene into which rays are traced. Returns nothing if the user names no scene. First, the name of
-// the output file `retrace.explain` is checked, so that an invalid name is reported before the long work and
-// not after it. Throws if the scene refers to one of the output files, because it would be overwritten.
+// Reads the scene into which rays are traced. Returns nothing if the user names no scene. Throws if the scene
+// refers to one of the output files, because it would be overwritten.
 std::optional<Scene> scene_of(const RetraceOptions& retrace, const SampleFileReader& file,
                               const std::string& picture, CommandResult& out) {
+    // The name of the output image `explain` is checked first, so that an invalid name is reported before the
+    // long work.
     if (retrace.explain) check_image_path(*retrace.explain);
     if (!retrace.scene) return std::nullopt;
     std::vector<std::filesystem::path> written{picture};

@@ -19,8 +19,9 @@ std::vector<double> only(const std::optional<double>& value) {
     return value ? std::vector<double>{*value} : std::vector<double>{};
 }
 
-/// Returns the values of each setting for which images are made. An absent option has the value in the sample
-/// file.
+/// Returns the values of the settings with which a sweep makes its images, for example a list of f-numbers
+/// and a list of focus distances. If the user states no list for a setting, the single value in the sample
+/// file is used.
 SweepAxes axes_of(const SweepOptions& o, const SampleHeader& h) {
     SweepAxes out;
     out.f_numbers = o.f_number ? f_number_list("--f-number", *o.f_number) : only(h.f_number);
@@ -89,8 +90,8 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
                        w.worst.share});
     }
     // Warns if the sample file was traced for a smaller aperture or a shorter exposure than some images of
-    // the sweep need, because surfaces may then be missing. This could cause one warning per image.
-    // Therefore, only the first warning is reported, with the number of images that it concerns (`pictures`).
+    // the sweep need, because surfaces may then be missing. There is only one warning, with the number of
+    // these images (`pictures`).
     std::vector<Warning> insufficient;
     std::size_t pictures = 0;
     for (const SweepRow& row : result.table.rows) {

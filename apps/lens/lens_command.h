@@ -59,8 +59,9 @@ struct LensFitOptions {
 [[nodiscard]] CommandResult run_lens_trace(const LensTraceOptions& options);
 [[nodiscard]] CommandResult run_lens_fit(const LensFitOptions& options);
 
-/// Throws Error(wrong_arguments) if a depth, measured from the pinhole, lies within the lens. `option` is the
-/// name of the option for the depth.
+/// Throws Error(wrong_arguments) if the scene depth `depth_m` lies within the lens. Depths are measured from
+/// the pinhole, the centre of the lens's entrance pupil. `option` is the name of the option that states the
+/// depth.
 void check_depth(std::string_view option, double depth_m, const TracedLens& lens);
 
 /// Returns the settings of a lens through which rays are traced. Without `focus_m`, the focus is that of the

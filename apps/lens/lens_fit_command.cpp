@@ -40,9 +40,9 @@ CommandResult run_lens_fit(const LensFitOptions& o) {
     };
     LensModels models(lens, traced);
     const PolynomialLens polynomial = fit_polynomial_lens(lens, traced, range_of(o.samples));
-    // `range` contains the rays at which the errors of the fitted lens models are measured. These rays are
-    // twice as dense as the samples to which the polynomial was fitted, so they include rays halfway between
-    // the samples. There, the errors may be larger than at the samples themselves.
+    // `range` describes the rays at which the fitted lens models are tested. The polynomial was fitted to a
+    // grid of rays, `o.samples` per axis. The test grid has twice this density, so every second ray lies
+    // halfway between fitted rays, where the errors may be larger.
     const LensModelRange range = range_of(2 * o.samples - 1);
     models.set_polynomial(polynomial);
     const double px_per_mm = 1000 / o.pixel_pitch_um;

@@ -77,8 +77,9 @@ CommandResult run_lens_show(const LensShowOptions& o) {
     const double film_radius =
         o.film_width_mm ? 0.5 * *o.film_width_mm : std::max(1e-3, 0.43 * std::abs(f.efl_mm));
     std::optional<TracedLens> traced;
-    // Rays cannot be traced through a diverging lens. Only its first-order data are reported, unless an
-    // option needs traced rays: then TracedLens throws.
+    // `traced` is the lens through which rays are traced. It is not made for a diverging lens, because
+    // TracedLens throws for such a lens. Then only the data of paraxial optics are reported, such as the
+    // focal length. But if an option needs traced rays, the error is intended.
     if (f.efl_mm > 0 || o.output || o.lens.f_number || o.lens.focus_m) {
         traced.emplace(lens, traced_lens_settings(o.lens, film_radius));
         const double ratio = f.f_number / traced->f_number();

@@ -121,9 +121,8 @@ double axis_area_mm2(const TracedLens& traced, double depth_m, int rays) {
 FieldCurves field_curves(const TracedLens& traced, double depth_m, double film_radius_mm) {
     constexpr int rays = 129;
     FieldCurves out;
-    // `scale` is the ratio of the image height, in mm, to the tangent of the field angle. With it, the image
-    // height that a lens without distortion would have is computed for other angles. It is measured at a very
-    // small angle, because every lens is free of distortion close to its axis.
+    // `scale` is the image height, in mm, divided by the tangent of the field angle, for a lens without
+    // distortion. It is measured at a very small angle, because close to its axis no lens has distortion.
     constexpr double small = 1e-4;
     const double scale = chief_height(traced, depth_m, small) / small;
     double edge = film_radius_mm / scale;

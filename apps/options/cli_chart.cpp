@@ -89,8 +89,8 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
     common_options(app, common);
     app.callback([=, &app, &common] {
         o->request.join = common.join;
-        // This flag is read now, because CLI11's option objects no longer exist when the function
-        // `common.run` is called.
+        // Tells whether --atlas is given. This is read now, because CLI11 has already destroyed
+        // `atlas_option` when `common.run` is called.
         const bool of_atlas = atlas_option->count() > 0;
         if (of_atlas) refuse_beside_atlas(app);
         common.run = [=, asked = asked_for(app), words = words_of(app)] {

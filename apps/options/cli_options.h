@@ -51,9 +51,9 @@ inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high 
     lumens_bounds{.low = 1e-6, .high = 1e6};
 /// Adds --exposure. Its help text states `absent` as the default.
 void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absent);
-/// Adds --lumens-per-watt, which converts photometric units of lights (lux, candela) to radiometric ones. It
-/// is for commands that read a sample file and its scene. The help text begins with `when`, for example "With
-/// --scene: ".
+/// Adds the option --lumens-per-watt, which states how to convert photometric units of a scene's lights (lux,
+/// candela) to radiometric ones. `when` is the beginning of its help text. It states when the option applies,
+/// for example "With --scene: ".
 void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
 
 void common_options(CLI::App& app, ParsedCommand& to);
@@ -70,9 +70,9 @@ void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
 /// Adds --impulse and the other options of the impulse response, i.e. the image of one scene point. If
-/// `on_axis` is true, this point lies on the axis of a thin lens. In this case, neither --cats-eye nor
-/// `lens:PRESCRIPTION` (a value of --impulse) is accepted, because the first has no effect on the axis and
-/// the second describes a real lens.
+/// `on_axis` is true, this point lies on the axis of an ideal thin lens. Then --cats-eye, which has no effect
+/// on the axis, and `lens:PRESCRIPTION` (a value of --impulse), which describes a real lens, are not
+/// accepted.
 void impulse_options(CLI::App& app, Impulse& to, bool on_axis = false);
 void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, CameraOverrides& camera,
                    std::string& camera_name);

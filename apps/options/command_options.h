@@ -31,9 +31,8 @@ struct CommandOptions {
     FrameOptions frames;
     std::optional<Share> share;
     MergeOptions merge;
-    /// Returns the options for a command that processes several frames (--frames). Before, sets the member
-    /// `speak` of these options, which states whether a line is printed after each frame. It is false with
-    /// --quiet or --json, and otherwise true.
+    /// Returns the options for a command that processes several frames (--frames). The option `speak`, which
+    /// prints a line after each frame, is set here: to false with --quiet or --json, and otherwise to true.
     [[nodiscard]] const FrameOptions& asked_frames() {
         frames.speak = !common.quiet && !common.json;
         return frames;
@@ -53,7 +52,8 @@ void add_merge(CLI::App& root, CommandOptions& s);
 void add_info(CLI::App& root, CommandOptions& s);
 void add_view(CLI::App& root, CommandOptions& s);
 
-/// Adds --share. `what` names what is divided into shares, for example "rows of the picture".
+/// Adds the option --share I/N, with which one of N machines makes only its part of the command's work.
+/// `what` names what is divided among the machines, for example "rows of the picture".
 void share_option(CLI::App& app, std::optional<Share>& to, const std::string& what);
 /// Adds --frames, which runs the command for a range of frames, and --keep, which skips finished frames. If
 /// `in_time` is true, the frames are instants of one scene file, and --fps is added.

@@ -12,13 +12,14 @@
 namespace postlens {
 namespace {
 
-// A mark is a text attached to an option that states which kind of file name the option's value contains: for
-// example, "reads" means the name of an input file. By these marks, later functions find all files of a
-// command line. CLI11's options have no field for such a text. Therefore, `marked` adds a validator that
-// accepts every value, and the mark is the validator's name.
+// A mark is a text attached to an option of the command line. It states what the option's value contains: for
+// example, "reads" means the name of an input file, and "reads of curve" the name of a shutter curve or of
+// its file.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *object_mark = "reads of object", *write_mark = "writes";
 
+// CLI11's options have no field for such a text. Therefore, this function adds a validator that accepts every
+// value, and stores the mark as the validator's name.
 CLI::Option* marked(CLI::Option* option, const char* mark) {
     return option->check([](const std::string&) { return std::string(); }, "", mark);
 }
@@ -31,9 +32,8 @@ bool has_mark(CLI::Option* option, const std::string& mark) {
     }
 }
 
-/// Returns the file name that `text`, the value of an option, contains. The mark of the option states where
-/// it is: the value may be a file name itself, such as `a.exr`, or contain one, such as `image:FILE`. If
-/// there is no file name in it, an empty text is returned.
+/// Returns the name of the file that the option's value `text` refers to, or an empty text if it refers to
+/// none. The value may be the file name itself, such as `a.exr`, or contain it, as `image:FILE` does.
 std::string path_in(CLI::Option* option, const std::string& text) {
     if (has_mark(option, read_mark) || has_mark(option, write_mark)) return text;
     if (has_mark(option, curve_mark)) return text == "box" || text == "triangle" ? "" : text;
@@ -84,8 +84,8 @@ std::vector<NamedFile> files_of(CLI::App& app) {
                            .path = path,
                            .written = written,
                            .numbered = positional || written,
-                           // # stands for a digit of the frame number in every file name except that of a
-                           // scene.
+                           // `hashes` is true if # stands for a digit of the frame number in this file name.
+                           // This is so for all files except a scene.
                            .hashes = option->get_name() != "scene"});
         }
     }

@@ -1,6 +1,6 @@
-// Finds the files that a command line reads and writes, and the options on which its result depends. These
-// describe a result, so that it can be recognised later. Also returns the command line's arguments as a list,
-// with which `merge` and --dry-run can run the command again.
+// Finds the files that a command line reads and writes, and the options on which its result depends. By
+// these, a later run recognises whether an existing result was made by the same command. Also returns the
+// words of the command line, with which `merge` and --dry-run can run the command again.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,10 +12,9 @@
 
 namespace postlens {
 
-/// These functions mark an option as one that contains the name of a file that the command reads or writes.
-/// They return the option. With `reads` and `writes`, the option's value is the file name. With the others,
-/// the value may be a file name, contain one (such as `image:FILE`), or contain none. Only marked options are
-/// found by `files_of`, which lists the files of a command line.
+/// These functions mark an option whose value refers to a file, so that `files_of` finds this file. They
+/// return the option. With `reads` and `writes`, the value is the file name. With the others, the value may
+/// be a file name, contain one (such as `image:FILE`), or contain none.
 CLI::Option* reads(CLI::Option* option);
 CLI::Option* reads_of_impulse(CLI::Option* option);
 CLI::Option* reads_of_curve(CLI::Option* option);

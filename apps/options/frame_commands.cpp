@@ -41,10 +41,11 @@ ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
 }
 
 /// If several machines divide the rows of one image (--share), sets `crop` to the rows that this machine
-/// makes. Also sets `shared`, a description of this share that is stored in the result, by which `merge`
-/// recognises it. With --frames, each machine makes whole images instead, so the function does nothing.
+/// makes. Also sets `shared`, a description of these rows, by which `merge` later joins the files of the
+/// machines.
 void divide(const FrameOptions& frames, const std::string& output, std::optional<SharedWork>& shared,
             std::optional<Crop>& crop, const std::function<ImageSize()>& raster) {
+    // With --frames, the machines divide the frames and not the rows.
     if (!frames.shared || frames.frames) return;
     check_exr_path(output, "parts");
     shared = frames.shared;
@@ -72,8 +73,9 @@ ExposureOption of_first_frame(const ExposureOption& asked, const std::function<d
     return {.stops = stops()};
 }
 
-/// Returns the input file of the first frame: `name` with this frame's number. If `hashes` is set, a run of #
-/// is its placeholder.
+/// Returns the name of the first frame's input file. It is `name`, in which a placeholder such as %04d is
+/// replaced by the number of this frame. If `hashes` is true, the placeholder may also be a sequence of #,
+/// one for each digit.
 std::string first_input(const FrameOptions& frames, const std::string& name, bool hashes) {
     return FrameName(name, hashes).of(frames.frames->front());
 }
@@ -117,9 +119,9 @@ ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     return choice;
 }
 
-/// Returns the struct that contains the members `exposure` and `made_by`, which all commands with --frames
-/// have. In the options of most commands, this is `options` itself. But in ShootOptions, it is the member
-/// `focus`.
+/// Returns the part of a command's options that contains `exposure` and `made_by` (the text stored in the
+/// image about how it was made). For most commands, these are members of `options` itself. But ShootOptions
+/// contains them in its member `focus`.
 template <typename Options>
 auto& image_of(Options& options) {
     if constexpr (requires { options.focus; }) {
@@ -146,10 +148,9 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
     if (frames.asked_for) {
         range.asked_for = [&](int frame) {
             nlohmann::ordered_json out = frames.asked_for(frame);
-            // Adds the exposure to `out`, the settings that are stored in the output file. With the exposure
-            // `auto`, all frames get the exposure of the first frame. With --keep, a frame is not made again
-            // if the settings in its file equal the present ones. So if the first frame's exposure has
-            // changed, all frames are made again.
+            // With --exposure auto, all frames get the exposure of the first frame. If this exposure has
+            // changed since an earlier run, the frames of that run must not be kept. Therefore, the exposure
+            // is added to `out`, the settings by which a run recognises frames that it can keep.
             if (const auto& stops = image_of(options).exposure.stops) out["exposure_stops"] = *stops;
             return out;
         };

@@ -88,14 +88,15 @@ std::string text_of(const nlohmann::ordered_json& made_by) {
 }
 
 /// Compares the settings that are stored in the file `output` with this command's settings, `made_by`.
-/// Returns the first difference, or an empty text if they agree. A file without settings counts as different.
+/// Returns a text that names the first difference, for a message that says why the file is made again. The
+/// text is empty if the settings agree. A file without settings counts as different.
 std::string why_again(const fs::path& output, const nlohmann::ordered_json& made_by) {
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
     if (!json.is_object()) return "its file does not say how";
-    // Compares the settings in the existing output file, `json`, with `made_by`, the settings of the present
-    // run. When the former were written to the file, invalid UTF-8 (for example in a file name) was replaced.
-    // `text_of` makes the same replacement in `made_by`, so that equal settings compare as equal.
+    // Compares the settings in the existing output file, `json`, with those of the present run, `made_by`. In
+    // the file, invalid UTF-8 (for example in a file name) was replaced when the settings were written. So
+    // `text_of` makes the same replacement in `made_by`.
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 

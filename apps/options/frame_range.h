@@ -50,7 +50,8 @@ struct FrameFiles {
     std::string input, output;
     std::optional<std::string> explain;  ///< explanation image to write
     bool halves = false;                 ///< also writes the two halves (tracer/render.h)
-    /// Names of separate input files with depths, object ids and other channels. A name may be empty.
+    /// Names of the files that contain the depths, object ids and further channels of the frame, if these are
+    /// not in the file `input`. A name is empty if there is no such file.
     std::vector<std::string> passes;
 };
 

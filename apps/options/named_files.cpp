@@ -37,8 +37,8 @@ void refuse_shared_files(const std::vector<NamedFile>& files, const std::optiona
             continue;
         }
         const FrameName name(file.path, file.hashes);
-        // A file name without a placeholder for the frame number names the same file in every frame, so it is
-        // added only once.
+        // If the file name contains no placeholder for the frame number, every frame uses the same file. So
+        // it is added to the list `seen` once, and not once per frame.
         if (!name.has_number()) {
             seen.add(file, file.path);
             continue;

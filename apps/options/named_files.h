@@ -11,8 +11,9 @@ struct NamedFile {
     std::string option;  ///< name of the option for messages
     std::string path;
     bool written = false;
-    /// With --frames, `numbered` allows placeholders such as %04d for the frame number. `hashes` also allows
-    /// # for each digit.
+    /// If `numbered` is true, `path` may contain a placeholder such as %04d, which --frames replaces by the
+    /// number of each frame. If `hashes` is true too, the placeholder may also be a sequence of #, one for
+    /// each digit.
     bool numbered = false, hashes = false;
 };
 

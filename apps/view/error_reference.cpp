@@ -13,9 +13,9 @@ namespace {
 /// Intended duration of tracing the reference, in seconds.
 constexpr double wanted_seconds = 10;
 constexpr int pilot_spp = 4, least_spp = 32, most_spp = 1024;
-/// `noise_radius_px` is the radius, in px, within which the noise of the reference is averaged. This noise is
-/// estimated from the difference of two images, each made from half of the samples. For a single pixel, this
-/// estimate is inaccurate. Therefore, it is averaged over all pixels within this distance along x and y.
+/// Radius, in px, within which the noise of the reference is averaged. The noise of each pixel is estimated
+/// from two images, each made from half of the samples. For a single pixel, this estimate is inaccurate, so
+/// it is averaged over the neighbouring pixels.
 constexpr int noise_radius_px = 2;
 constexpr float tolerated_deviations = 3;
 

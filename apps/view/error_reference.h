@@ -28,9 +28,9 @@ struct ErrorReference {
 /// noise.
 [[nodiscard]] ErrorReference trace_error_reference(const std::function<HalvedImage(int spp)>& trace);
 
-/// Prevents the noise of `reference` from counting as an error of `image`. Where the two differ by at most
-/// three standard deviations of the noise, the difference may be mere noise. Therefore, the colour of `image`
-/// is copied into the reference there. Throws Error(invalid_input) if the sizes differ.
+/// Prevents the noise of the reference image from counting as an error of `image`. Where `image` differs from
+/// the reference by at most three standard deviations of the noise, the reference gets the colour of `image`,
+/// so the error becomes 0. Throws Error(invalid_input) if the sizes differ.
 void take_out_noise(ErrorReference& reference, const Image& image);
 
 }  // namespace postlens

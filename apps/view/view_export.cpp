@@ -62,8 +62,9 @@ std::vector<double> focus_distances(std::vector<float> inverse, int count) {
 
 /// Returns a grey image of the inverse depths, so that the web page can find the depth of a pixel on which
 /// the user clicks. Black stands for infinity (inverse depth 0), and white for the inverse depth `greatest`,
-/// in 1/m. The image is a quarter as wide and high as the frame, which makes the page smaller.
+/// in 1/m.
 EncodedPicture depth_map(const std::vector<float>& inverse, int width, int height, float greatest) {
+    // The image is a quarter as wide and high as the frame, which makes the page smaller.
     constexpr int by = 4;
     EncodedPicture out(std::max(1, width / by), std::max(1, height / by));
     for (int y = 0; y < out.height; ++y) {
@@ -135,9 +136,8 @@ class Exporter {
     }
 
   private:
-    /// Returns an image for the given lens as the bytes of a JPEG file. Its width and height are divided by
-    /// `by`. If the frame is a sample file, the image is the mean of 64 views (images seen from single lens
-    /// points).
+    /// Returns the image for a lens with the given f-number and focus distance, as the bytes of a JPEG file.
+    /// The image is downscaled: it has 1/by of the frame's width and height.
     [[nodiscard]] std::string picture(double f_number, double focus_m, int by) {
         std::vector<std::string> words{"focus", options_.input, fmt::format("--f-number={}", f_number),
                                        fmt::format("--focus={}", focus_m)};

@@ -20,8 +20,8 @@ std::string random_token() {
     return out;
 }
 
-/// Returns true for a loopback address with any port. Through a tunnel (`ssh -L`), the port differs from the
-/// server's.
+/// Returns true if `host`, the address in the browser's request, is this computer (a loopback address). Any
+/// port is accepted: through a tunnel (`ssh -L`), the browser uses another port than the server.
 bool is_local(const std::string& host) {
     const std::size_t colon = host.rfind(':');
     const bool has_port = colon != std::string::npos && host.find(']', colon) == std::string::npos;

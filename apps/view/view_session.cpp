@@ -90,12 +90,13 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     return out;
 }
 
-/// Runs the command `words` (`focus` or `shoot`) on the open sample file `kept`. Only one request at a time
-/// can use this file, so the function first waits until other requests have finished. Returns the running
-/// time of the command in seconds, without the wait.
+/// Runs the command `words` (`focus` or `shoot`) on `kept`, the sample file that the viewer keeps open in
+/// memory. Returns the running time of the command in seconds.
 double run_kept(const std::vector<std::string>& words, const std::shared_ptr<KeptFrame>& kept,
                 CommandResult& result) {
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true, .kept = kept});
+    // Only one request at a time can use the sample file, so this waits until other requests have finished.
+    // The wait does not count as running time.
     const auto lock = KeptFrame::lock(kept);
     throw_if_interrupted();
     const auto start = std::chrono::steady_clock::now();
@@ -156,9 +157,9 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
     return value;
 }
 
-/// Returns the method called `name`. For the method `auto`, returns `hybrid`, because `auto` makes its image
-/// by the method `hybrid`, so the causes of its errors are the same. Returns nothing if no method has this
-/// name.
+/// Returns the method called `name`, to find the causes of its image's errors. For the method `auto`, returns
+/// `hybrid`: `auto` makes its images by the method `hybrid`, so their errors have the same causes. Returns
+/// nothing if no method has this name.
 std::optional<FocusMethod> method_of(const std::string& name) {
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
                                      FocusMethod::hybrid, FocusMethod::pinhole}) {

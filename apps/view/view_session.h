@@ -50,23 +50,24 @@ class ViewSession {
     /// - if has_ray_share is true in the JSON, the fraction of each pixel's colour that comes from rays, as
     ///   half floats
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
-    /// Returns a quickly made preview with large pixels, in the format of `picture`. The JSON value "by" is
-    /// the width of a large pixel, in px.
+    /// Returns a preview that is made quickly because its pixels are larger. The reply has the format
+    /// described at `picture`. The value "by" in its JSON is the width of a preview pixel, in px of the full
+    /// image.
     [[nodiscard]] ViewReply coarse_picture(const ViewParameters& parameters);
-    /// Returns an image that is made by tracing rays through the scene, in the format of `picture`. If an
-    /// earlier request for such an image is still running, it is cancelled, but requests of other kinds
-    /// continue.
+    /// Returns an image that is made by tracing rays through the scene. The reply has the format described at
+    /// `picture`. If an earlier request for such an image is still running, it is cancelled. Requests of
+    /// other kinds continue.
     [[nodiscard]] ViewReply rays(const ViewParameters& parameters);
     /// Returns the surfaces that a pixel shows. If the lens is known, the answer also contains the diameter
-    /// of each surface's circle of confusion, i.e. of the disc over which the lens spreads a point of it. The
-    /// parameters are the pixel's position x and y in px, and the lens: f-number, focal-length and focus.
+    /// of each surface's circle of confusion. The parameters are the pixel's position x and y in px, and the
+    /// lens: f-number, focal-length and focus.
     [[nodiscard]] ViewReply pixel(const ViewParameters& parameters);
-    /// Returns two values for every pixel: first the object ids of all pixels (32 bits each), then, for all
-    /// pixels, the inverse of the distance at which the pixel's surface is in focus (half floats, in 1/m).
+    /// Returns two arrays with one value per pixel. The first contains the object ids (32 bits each). The
+    /// second contains the inverse of the focus distance at which the pixel's surface is sharp (half floats,
+    /// in 1/m). The inverse is used because the distance may be infinite.
     [[nodiscard]] ViewReply depths();
-    /// Returns the cause of each pixel's error in the image that `picture` returns for the same parameters.
-    /// The error is the difference between this image and a ray-traced reference. Its cause is found by
-    /// find_error_causes. The body of the reply consists of:
+    /// Returns the cause of each pixel's error, i.e. of the difference between the image of `picture`, with
+    /// the same parameters, and a ray-traced reference. The body of the reply consists of:
     /// - JSON as in `picture`, with a list of all causes: "name", "colour" (sRGB) and "error_share" (fraction
     ///   of the error)
     /// - one byte per pixel: the index of its cause in this list
@@ -79,7 +80,8 @@ class ViewSession {
     void stop();
 
   private:
-    /// State of one kind of request to the server. Only one request of each kind runs at a time.
+    /// State of the requests of one kind, for example for a ray-traced image, that the web page sends to this
+    /// program. Only one request of each kind runs at a time.
     struct Slot {
         std::mutex making;
         std::mutex mutex;  ///< guards `current`

@@ -24,9 +24,9 @@ Json distance_json(double inverse_m) {
 
 class ViewedForeignPicture : public ViewedFrame {
   public:
-    /// Reads an image of another program. `{}` stands for the default options of the command `focus`, by
-    /// which it interprets the depths and the camera of such an image. They are used here, so that the web
-    /// page shows the same depths as `focus` uses.
+    /// Reads an image of another program. The two arguments `{}` are default options, for the image's
+    /// channels and its camera. The command `focus` uses the same defaults, so the web page shows the same
+    /// depths as `focus` uses.
     ViewedForeignPicture(const std::string& input, Json info)
         : facts_(std::move(info)), picture_(read_foreign_picture(input, {}, {})) {
         unmix_edges(picture_);
@@ -75,12 +75,12 @@ class ViewedForeignPicture : public ViewedFrame {
         std::vector<Seen> by_light;
         double left = 1, all = 0;
         for (const StackSample& s : picture_.stack(x, y)) {
-            // Collects the samples of the pixel, each with the light that it adds to the pixel, `light`. The
-            // samples are sorted by it, so that only the most visible ones are listed. Black samples add no
-            // light, so their order would be arbitrary. Therefore, a black sample gets the tiny luminance
-            // 1e-12 times alpha, which sorts black samples by opacity.
+            // Collects the samples of the pixel. For each, `light` is the light that it adds to the pixel.
+            // Later, the samples are sorted by `light`, and only the brightest are listed.
             const auto alpha = static_cast<double>(s.alpha);
             const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
+            // Black samples would all add the same light, none. To sort them by opacity, they get the tiny
+            // luminance 1e-12 times alpha.
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});
             all += by_light.back().light;
             left *= 1 - alpha;

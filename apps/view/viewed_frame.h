@@ -31,27 +31,29 @@ class ViewedFrame {
     ///   each of which is null if it is unknown
     [[nodiscard]] virtual nlohmann::ordered_json facts() const = 0;
     [[nodiscard]] virtual ImageDepths depths() const = 0;
-    /// Returns what the pixel at a raster position shows, as JSON:
-    /// - "nodes" lists the surfaces seen directly, by reflection or by refraction, the brightest first. Each
-    ///   has "share" (of the light), "id", "name", "z_m" and, if the lens is known, "coc_px".
+    /// Returns what is visible at a position of the image, as JSON:
+    /// - "nodes" lists the visible surfaces, seen directly, by reflection or by refraction, the brightest
+    ///   first. Each has "share" (its fraction of the pixel's light), "id" and "name" of its object, "z_m"
+    ///   (depth in m) and, if `lens` is complete, "coc_px" (diameter of the circle of confusion).
     /// - "clicked" is the surface on which a click focuses, with "name" and "focus_m" (null means infinity).
-    ///   It is null if the file stores nothing there.
+    ///   It is null if the file stores no surface at this position.
     /// Throws Error(wrong_arguments) if the position or the lens is out of range.
     [[nodiscard]] virtual nlohmann::ordered_json pixel(double x, double y, const LensOptions& lens) const = 0;
-    /// Returns the sample file that the viewer has opened. It stays open with its records in memory, so that
-    /// the viewer can make further images of it without reading it again. Returns null if the frame is an
-    /// image of another program.
+    /// Returns the sample file that is viewed. It stays open with its records in memory, so that the viewer
+    /// can make further images of it without reading it again. Returns null if the viewed file is not a
+    /// sample file.
     [[nodiscard]] virtual std::shared_ptr<KeptFrame> kept() const { return nullptr; }
-    /// A reduced sample file for quick images. Its pixels are `by` times as wide and high as those of the
-    /// full image.
+    /// A sample file with reduced resolution, from which images are made quickly. One of its pixels is as
+    /// large as `by` x `by` pixels of the viewed file.
     struct Records {
         std::string input;
         std::shared_ptr<KeptFrame> kept;
         int by = 1;
     };
-    /// Returns a sample file from which images are made quickly. It has fewer and larger pixels than the
-    /// viewed file (Records::by). If the viewed file is already small, returns this file itself, with `by` =
-    /// 1. Throws Error(wrong_arguments) if the frame is an image of another program.
+    /// Returns a sample file with fewer pixels, from which images are made quickly. Its pixels are
+    /// Records::by times as wide and high as those of the viewed file. If the viewed file is already small,
+    /// returns this file itself, with `by` = 1. Throws Error(wrong_arguments) if the viewed file is not a
+    /// sample file.
     [[nodiscard]] virtual Records coarse() const = 0;
 };
 

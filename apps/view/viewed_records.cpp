@@ -17,11 +17,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// One pixel may have several samples that show the same object along the same light path, for example by one
-/// reflection. They are listed as one entry, whose sums are stored here. Each sample has a weight
-/// proportional to its luminance. `light` is the sum of the weights. `inverse_depth` is the sum of weight /
-/// depth, so its quotient with `light` is a mean inverse depth.
+/// Those samples of a pixel that show the same object along the same light path, for example by one
+/// reflection. They are listed as one entry. Their weights are proportional to their luminance.
 struct MergedNodes {
+    /// `light` is the sum of the weights, and `inverse_depth` is the sum of weight / depth. The quotient is
+    /// the mean inverse depth.
     double light = 0, inverse_depth = 0;
     const Json* first = nullptr;
 };
@@ -87,8 +87,9 @@ class ViewedRecords : public ViewedFrame {
             Json node = *s->first;
             node.erase("rgb");
             node["share"] = s->light / all;
-            // Null means focus at infinity. A negative inverse distance, on which no lens can focus, is also
-            // reported as null.
+            // Stores the focus distance of the surface, 1 / `inverse`. It is null if the distance is
+            // infinite. It is also null if `inverse` is negative: then no lens can focus on the surface,
+            // because a mirror or glass makes its light converge.
             node["focus_m"] = inverse > 0 ? Json(1 / inverse) : Json(nullptr);
             node["behind_infinity"] = inverse < 0;
             out["nodes"].push_back(std::move(node));

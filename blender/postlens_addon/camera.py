@@ -61,9 +61,8 @@ class Lens:
         impulse = "disc"
         if self.blades >= 3:
             # Converts the rotation of the aperture polygon from Blender's convention to that of postlens. Blender
-            # states the angle of a side, counter-clockwise. postlens expects the angle of a corner, clockwise.
-            # Therefore, the sign is reversed. Adjacent corners are 360 / blades degrees apart, so a corner and the
-            # middle of an adjacent side are 180 / blades degrees apart.
+            # states the angle of the middle of a side, counter-clockwise. postlens expects the angle of a corner,
+            # clockwise. The two are 180 / blades degrees apart.
             impulse = f"polygon:{self.blades}:{-math.degrees(self.rotation_rad) - 180 / self.blades:.9g}"
         out = ["--f-number", f"{self.f_number:.9g}", "--focal-length", f"{self.focal_length_mm:.9g}"]
         out += ["--focus", f"{self.focus_m:.9g}", "--impulse", impulse]

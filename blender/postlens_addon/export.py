@@ -13,8 +13,9 @@ from .rendered import rendered
 
 # Types of objects that Blender renders, but glTF does not have.
 LEFT_OUT = {"CURVES": "hair", "POINTCLOUD": "point clouds", "VOLUME": "volumes", "GPENCIL": "drawings"}
-# Largest shear that is ignored. To test a matrix, its shear is removed. The matrix counts as one without shear if
-# none of its elements changes by more than this fraction of the matrix's largest scale factor.
+# Largest shear of an object that is ignored. The object's matrix is compared with a copy from which the shear is
+# removed. If no element differs by more than this fraction of the matrix's largest scale factor, the object is treated
+# as unsheared.
 SHEAR = 1e-5
 
 

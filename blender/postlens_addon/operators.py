@@ -141,9 +141,8 @@ class Pictures:
             return False
         if found:
             self.count += 1
-            # Shows the finished image. Only the last image may open a new window (`can_open`). After earlier images,
-            # work continues, and the user can stop it with Esc. A new window would take the keyboard focus from this
-            # window, so Blender would send Esc to the wrong window.
+            # Shows the finished image. Only the last image may open in a window of its own, because this window takes
+            # the keyboard focus. After an earlier image, the user must still be able to stop the work with Esc.
             is_last = self.count == len(self.job.frames)
             show(found[1], can_open=self.job.in_window and is_last)
         return True
@@ -211,7 +210,8 @@ class Pictures:
         """Ends the work, and restores the window and the scene."""
         self.made.close()
         Pictures.running, Pictures.said = None, ""
-        # The timer and the workspace no longer exist if the window has been closed.
+        # If the user has closed the window, Blender has already removed the timer and the status text. Accessing them
+        # then raises a ReferenceError, which is ignored.
         with contextlib.suppress(ReferenceError):
             self.manager.event_timer_remove(self.timer)
             self.manager.progress_end()

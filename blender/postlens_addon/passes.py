@@ -12,8 +12,9 @@ from . import command
 
 # Types of objects that a camera ray can hit.
 SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "VOLUME"}
-# Largest margin that is rendered around the frame, as a fraction of the frame's shorter side. Light from beyond the
-# margin is estimated from pixels within it.
+# Largest margin that Blender renders around the image, as a fraction of the image's shorter side. The margin is needed
+# because a lens blurs light from outside into the image. Light from beyond the margin is estimated from pixels within
+# it.
 WIDEST_MARGIN = 0.25
 # Smallest radius, in px, of a circle of confusion that counts as blur. A second render shows the surfaces behind
 # blurred objects, so it leaves out these objects: those in front of the focus distance whose circle of confusion has
@@ -111,9 +112,8 @@ def pinhole(scene, camera, film, vectors):
         (render, ("resolution_x", "resolution_y", "resolution_percentage", "use_motion_blur", "filepath", "use_stamp",
                   "use_file_extension", "use_overwrite", "use_compositing", "use_sequencer", "use_single_layer")),
         (render.image_settings, image),
-        # These lines list the scene's settings that are changed for the render and restored afterwards. When the file
-        # format changes, Blender also changes the colour space in which the file is written. Therefore, the colour
-        # space, `linear`, is in the list too.
+        # `linear` contains the colour space in which the image file is written. Blender changes it whenever the file
+        # format changes. Therefore, it must be restored after the render, like the settings that are changed below.
         (linear, ("name",) if render.image_settings.color_management == "OVERRIDE" and linear.name else ()),
         (data, ("sensor_fit", "sensor_width", "sensor_height", "shift_x", "shift_y")),
         (data.dof, ("use_dof",)),
@@ -122,14 +122,14 @@ def pinhole(scene, camera, film, vectors):
         *((other, ("use",)) for other in scene.view_layers),
     ):  # fmt: skip
         scene.camera = camera
-        # Converts the camera's shift. Blender states it as a fraction of one side of the image, usually the larger.
-        # Here, the image gets a margin, and the shift must be a fraction of the new width (sensor_fit is set to
-        # HORIZONTAL below). Therefore, the shift is multiplied by `larger`, the former side in px, and divided by the
-        # new width.
+        # The camera's shift is a fraction of one side of the image, usually the longer. `larger` is this side in px,
+        # without the margin that is added for light that the lens blurs into the image.
         larger = max(render.resolution_x, render.resolution_y) * render.resolution_percentage / 100
         if data.sensor_fit != "AUTO":
             larger = render.resolution_x if data.sensor_fit == "HORIZONTAL" else render.resolution_y
             larger *= render.resolution_percentage / 100
+        # Because sensor_fit becomes HORIZONTAL, the shift must now be a fraction of `film.width_px`, the width of the
+        # image with the margin.
         data.shift_x, data.shift_y = data.shift_x * larger / film.width_px, data.shift_y * larger / film.width_px
         data.sensor_fit, data.sensor_width = "HORIZONTAL", film.width_mm
         data.dof.use_dof = False

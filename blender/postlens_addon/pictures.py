@@ -12,11 +12,12 @@ from . import camera as cameras
 from . import command, export, passes
 from .rendered import rendered
 
-# Fraction of a frame's progress bar for each of its two renders.
+# Fraction of a frame's progress bar that one render takes. A frame is rendered as a whole and, if it has near objects,
+# again without them, to show what is behind them.
 RENDER_SHARE = 0.4
-# Before frames are rendered, the function `survey` visits all of them, for example to find the margin that their
-# lenses need. Blender's window cannot respond while it works. Therefore, it pauses regularly. This constant is the
-# longest time between two pauses, in seconds.
+# Longest time, in seconds, for which the function `survey` works without a pause. It visits all frames before they are
+# rendered, for example to find the margin that their lenses need. Meanwhile, Blender's window cannot respond. In the
+# pauses, it can.
 SURVEY_S = 0.1
 
 
@@ -38,7 +39,8 @@ class Job:
     # True if Blender renders in a separate thread, so that its window stays responsive.
     in_window: bool = False
     progress: object = lambda share, text: None
-    # Maps the text of each warning to the first frame that caused it, or to None if the whole scene did.
+    # For each warning, its text and the first frame in which it occurred. Instead of the frame, None is stored if the
+    # warning concerns the whole scene.
     warnings: dict = field(default_factory=dict)
 
     def path(self, name, frame, ending=".exr"):
@@ -51,9 +53,8 @@ class Job:
 
     def run(self, frame, words):
         """Runs a command and keeps its warnings. This generator yields while the command runs."""
-        # Runs postlens inside the folder of the job, with file names that do not contain this folder's path. In a
-        # path, postlens would interpret # and % as placeholders for frame numbers, and the folder's name may contain
-        # these characters.
+        # Runs postlens inside the folder of the output files, so that this folder's path can be removed from the file
+        # names. Otherwise, postlens would interpret # and % in the path as placeholders for frame numbers.
         folder = os.path.join(self.folder, "")
         names = [word.removeprefix(folder) for word in words]
         said = yield from command.run(self.program, names, self.folder, self.cancelled)

@@ -7,7 +7,8 @@ import bpy
 
 from .passes import kept, layer_of
 
-# The function `rendered` uses this render slot, so that the user's last render is not replaced.
+# Name of Blender's render slot (place for a finished render) that this add-on uses for its own renders. So they do not
+# replace the user's last render.
 SLOT = "postlens"
 SIZE_PX = 16  # the smallest that Blender renders
 HANDLERS = ("render_init", "render_pre", "render_post", "render_complete", "render_cancel")

@@ -29,12 +29,13 @@ struct AtlasTrace {
 };
 
 struct AtlasMethod {
-    /// Name of the method that makes the test image. Which methods are possible depends on whether the case
-    /// has a lens (depth of field), a shutter (motion blur) or both:
+    /// Name of the method that makes the test image. The possible methods depend on what blurs the image in
+    /// this test case: a lens (depth of field), a shutter (motion blur) or both. docs/glossary.md explains
+    /// most of them.
     /// - With a lens: pinhole, scatter, layers, lightfield, hybrid.
-    /// - With a shutter: convolve, lightfield, auto.
-    /// - With both: lightfield, hybrid, focus-after-shutter.
-    /// - In any case: rays (distributed ray tracing).
+    /// - With a shutter: convolve (blurs each object along its path), lightfield, auto.
+    /// - With both: lightfield, hybrid, focus-after-shutter (motion blur first, then the lens).
+    /// - Always: rays (distributed ray tracing).
     std::string name;
     std::optional<int> views, depths;
     int spp = 64;  ///< samples per pixel of the method rays
@@ -59,8 +60,9 @@ struct AtlasCase {
     ChartRequest view;   ///< scene, camera, lens, shutter and samples per pixel of the reference
     AtlasMethod method;  ///< the method under test
     std::optional<AtlasMethod> remedy;  ///< a method that is correct where `method` fails
-    /// Smallest fraction of the method's error, from 0 to 1, that find_error_causes must attribute to the
-    /// cause `cause`. If it attributes less, the test fails.
+    /// The test case expects that the image made by `method` has an error with the cause `cause`. At least
+    /// this fraction of the error, from 0 to 1, must have this cause, as estimated by find_error_causes.
+    /// Otherwise, the test fails.
     double named_at_least = 0;
 };
 
@@ -68,9 +70,9 @@ struct AtlasCause {
     std::string word, meaning;
     std::string source;  ///< what the error comes from, in a few words
 };
-/// Returns the list of causes of which a test case may name one as the expected cause of the method's error.
-/// They are in the order of docs/failures.md, where they are described. The last cause, "none", is for test
-/// cases in which no error is expected.
+/// Returns the causes of errors that a test case may name as the expected one. They are in the order of
+/// docs/failures.md, where they are described. The last cause, "none", is for test cases in which no error is
+/// expected.
 [[nodiscard]] const std::vector<AtlasCause>& atlas_causes();
 
 /// Reads a case from a TOML file. Throws Error(invalid_input) "FILE:LINE:COLUMN: ...".

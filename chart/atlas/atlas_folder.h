@@ -26,10 +26,10 @@ struct AtlasRun {
 /// run_atlas's output folder.
 [[nodiscard]] std::filesystem::path atlas_strip(const std::string& name);
 
-/// Runs all test cases in the folder `cases`. For each case NAME, writes the result to cases/NAME.json and a
-/// picture to atlas_strip(NAME), both within `folder`. An earlier result in `folder` is kept if it has the
-/// same atlas_key, i.e. if nothing has changed on which it depends. If `restart` is true, all cases are run
-/// again.
+/// Runs the test cases of the atlas, a collection of scenes in which a method may fail. They are the files in
+/// the folder `cases`. The result of the case NAME is written to cases/NAME.json in `folder`, with a picture
+/// of the compared images. A case that already has a result is run again only if something on which the
+/// result depends has changed, or if `restart` is true.
 ///
 /// Throws the errors of read_atlas_case and run_atlas_case, and Error(interrupted).
 [[nodiscard]] AtlasRun run_atlas(const std::filesystem::path& cases, const std::filesystem::path& folder,

@@ -20,9 +20,9 @@ struct AtlasPicture {
 [[nodiscard]] TraceSettings atlas_trace_settings(const AtlasTrace& trace, const ChartRequest& request,
                                                  const ChartView& view);
 
-/// Makes an image for a test case. `method` is the method to use, and `view` contains the lens, shutter and
-/// camera. The image is made from the sample file `file`, unless the method is "rays", which traces rays into
-/// `scene`. Temporary files are written to the folder of `file`. Throws Error.
+/// Makes an image for a test case from the sample file `file`. The method "rays" traces rays into `scene`
+/// instead. `view` contains the lens, shutter and camera. Temporary files are written to the folder of
+/// `file`. Throws Error.
 [[nodiscard]] AtlasPicture atlas_picture(const AtlasMethod& method, const ChartRequest& request,
                                          const ChartView& view, const Scene& scene,
                                          const std::filesystem::path& file);

@@ -29,8 +29,8 @@ struct AtlasResult {
     double pinhole_db = 0, noise_db = 0, affected_share = 0;
     AtlasFigures method;
     std::optional<AtlasFigures> remedy;
-    /// A test case may expect an error of the method with a certain cause. This is the fraction of the error,
-    /// from 0 to 1, that has this cause. It is absent if the test case expects no error.
+    /// How much of the image's squared error is due to the cause that the test case expects
+    /// (AtlasCase::cause), as a fraction from 0 to 1. Absent if the test case expects no error.
     std::optional<double> named_share;
     std::string named_most;  ///< the cause to which most of the error is attributed
 };
@@ -39,16 +39,17 @@ struct AtlasResult {
 /// version.
 [[nodiscard]] std::string atlas_key(const AtlasCase& c);
 
-/// Runs one case of the atlas. Temporary files are written to `folder`, which must exist. Throws Error.
+/// Runs one test case of the atlas, a collection of scenes in which a rendering method may fail. Temporary
+/// files are written to `folder`, which must exist. Throws Error.
 ///
-/// If `strip` is not empty, a picture is written to this path. It shows side by side the images of the
-/// method, of the remedy (a method that is correct there) and of the reference, and then the method's error
-/// map.
+/// If `strip` is not empty, a picture is written to this path. It shows the images that were compared side by
+/// side, with an error map.
 [[nodiscard]] AtlasResult run_atlas_case(const AtlasCase& c, const std::filesystem::path& folder,
                                          const std::filesystem::path& strip = {});
 
-/// Returns one line for each expectation of a test case that its result does not meet: error, energy,
-/// negative or nonfinite values, warnings, and the error's expected cause.
+/// Returns one line for each expectation of the test case `c` that its result `r` does not meet. A case
+/// states limits for the error and for the total energy of the image, the warnings, and the cause of the
+/// error. Negative or nonfinite values are never expected.
 [[nodiscard]] std::vector<std::string> broken_expectations(const AtlasCase& c, const AtlasResult& r);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const AtlasResult& r);

@@ -10,9 +10,9 @@ namespace postlens {
 /// maps, so that maps can be compared.
 inline constexpr double map_least_steps = 0.1, map_greatest_steps = 255;
 
-/// Returns the size, in px, of the image that `error_map` draws for compared images of the size `pictures`. A
-/// legend (the scale of the error's colours) makes the map higher than they are and, for narrow images,
-/// wider.
+/// Returns the size, in px, of the image that `error_map` draws for two images of the size `pictures`. It is
+/// higher than these because of a legend, which shows the error that each colour means. If they are narrow,
+/// it is also wider.
 [[nodiscard]] ImageSize error_map_size(ImageSize pictures);
 
 /// Draws each pixel's largest channel difference in sRGB on a logarithmic scale, with a legend. NaN and

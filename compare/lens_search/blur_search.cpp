@@ -14,16 +14,16 @@ namespace {
 constexpr int widest_px = 256;
 constexpr int aperture_steps = 48, focus_steps = 81;
 constexpr double narrowest_coc_px = 0.7;
-/// Tested blur diameters increase in steps of 0.5 px up to 8 px. Above 8 px, each is 1/16 larger than the one
-/// before.
+/// The tested blur diameters increase in steps of 0.5 px up to 8 px. Above 8 px, each is 1/16 larger than the
+/// one before.
 constexpr double step_px = 0.5, even_to_px = 8;
 /// Largest number of pixels on which the search compares an image of each tested lens with the given image.
-/// More pixels would make the error of a lens more accurate. But this would not help, because apertures are
-/// tested only in steps of about 10 %, which limits the accuracy of the result.
+/// More pixels would not help, because apertures are tested only in steps of about 10 %, which limits the
+/// accuracy of the result.
 constexpr std::size_t most_pixels = 12000;
-/// To find a lens, images of many lenses are compared with the given image. Differences above this limit
-/// count linearly instead of quadratically (Huber loss). The reason is that the rough blur model itself
-/// causes differences of this size beside depth edges, which should not dominate the error.
+/// Limit of the Huber loss, by which the search compares the image of a lens with the given image. Larger
+/// differences count linearly instead of quadratically. The images of the search are only approximate, and
+/// beside depth edges, they are wrong by about this value.
 constexpr double linear_from = 0.1;
 
 /// Luminances and inverse depths (1/m) of a downscaled image: means of `factor` x `factor` pixels.
@@ -86,8 +86,9 @@ std::vector<double> diameters_up_to(double largest_px) {
     return out;
 }
 
-/// Table of squared differences between blurred and given image, for every compared pixel and blur diameter.
-/// A lens gives each pixel a blur diameter, so testing a lens takes one look-up per pixel.
+/// Finds the error of any lens quickly. A table holds the error of every compared pixel for several blur
+/// diameters. A lens gives each pixel one of these diameters, so the error of the lens is found by one
+/// look-up per pixel.
 class RoughModel {
   public:
     RoughModel(const Reduced& reduced, double largest_px) : diameters_px_(diameters_up_to(largest_px)) {
@@ -156,9 +157,9 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
     // distances in 1/m. The scene's inverse depths extend from `farthest` to `nearest`, a range of length
     // `span`. The tested range extends beyond it by span / 2 at both ends, but not below 0 (infinity).
     const double first_focus = std::max(0.0, farthest - span / 2), last_focus = nearest + span / 2;
-    // `place` returns the lens of the search grid with the aperture number i and the focus number k. The
-    // apertures are chosen by their blur: if the nearest depth is in focus, the smallest aperture blurs the
-    // farthest depth by 0.7 px, and the largest aperture blurs it by a quarter of the image width.
+    // Returns the lens of the search grid with the aperture number i and the focus number k. If the nearest
+    // depth is in focus, the smallest aperture blurs the farthest depth by 0.7 px, and the largest aperture
+    // blurs it by a quarter of the image width.
     const auto place = [&](int i, int k) {
         const double coc_px = narrowest_coc_px * std::pow(largest_px / narrowest_coc_px,
                                                           static_cast<double>(i) / (aperture_steps - 1));

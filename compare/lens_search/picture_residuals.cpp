@@ -20,9 +20,9 @@ constexpr int levels = 256;
 /// Fraction by which the aperture is increased and decreased for numerical derivatives of the image.
 constexpr double aperture_step = 0.03;
 constexpr std::size_t grain = 4096;
-/// Number of computed images that are kept for reuse. It suffices for two lenses. Each lens needs five
-/// images: its own, and four for the numerical derivatives, in which the aperture or the focus distance is
-/// slightly larger or smaller.
+/// Number of computed images that the fit of a lens keeps for reuse. It suffices for two lenses. For each
+/// lens, the fit needs five images: that of the lens itself, and four for numerical derivatives, with a
+/// slightly larger or smaller aperture or focus distance.
 constexpr std::size_t most_kept = 10;
 
 double rms(const std::vector<double>& residuals) {
@@ -59,7 +59,9 @@ PictureResiduals::Tones PictureResiduals::tones_of(const Image& image) const {
 }
 
 const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place) {
-    // The solver stores the logarithm of the aperture, so the aperture comes back with rounding errors.
+    // Searches the images computed so far for one with the lens `place`. The apertures are compared with a
+    // tolerance, because the solver that fits the lens stores the logarithm of the aperture. Converting it
+    // back causes rounding errors.
     const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(a); };
     for (const auto& [at, tones] : focused_) {
         if (same(at.aperture_mm, place.aperture_mm) &&

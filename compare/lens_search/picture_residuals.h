@@ -16,18 +16,19 @@
 namespace postlens {
 
 /// Residuals of a lens fit, i.e. the differences between a computed image and the given image, one for each
-/// selected pixel. The images are compared by `picture_tone`, a logarithmic brightness. The residuals are
-/// minimised in the mean square. But differences above `linear_from` count only linearly (Huber loss), so
-/// that a few large differences do not dominate.
+/// selected pixel. The images are compared by `picture_tone`, a logarithmic brightness. Residuals above
+/// `linear_from` count linearly instead of quadratically (Huber loss).
 class PictureResiduals {
   public:
-    /// Prepares the comparison of the given image `picture` with images that are made from the sample file
-    /// `file` with the impulse response `impulse`. `file` must outlive this object. `expected_pictures` is
-    /// the estimated number of images that will be computed. It is used only to display progress.
+    /// Prepares the comparison of the given image `picture` with images for various lenses, which are made
+    /// from the sample file `file`. `impulse` states how a lens distributes the light of a point.
+    /// `expected_pictures`, the estimated number of images, is needed for the progress display. `file` must
+    /// outlive this object.
     PictureResiduals(const SampleFileReader& file, const Image& picture, const Impulse& impulse,
                      std::uint64_t expected_pictures);
 
-    /// Selects the pixels to compare. `pixels` has one entry per pixel, 0 for unused pixels.
+    /// Selects the pixels in which the computed images are compared with the given image. `pixels` has one
+    /// entry per pixel, 0 for unused pixels.
     void use(const std::vector<char>& pixels);
     /// Number of residuals (differences between the images), one per selected pixel.
     [[nodiscard]] std::size_t size() const { return used_.size(); }
@@ -37,15 +38,14 @@ class PictureResiduals {
     /// residuals of this image: for each selected pixel, the difference between its logarithmic brightness
     /// and that of the given image. Differences above `linear_from` count linearly (Huber loss).
     void at(const LensPlace& place, double* out, double linear_from);
-    /// Writes to `out` two derivatives of each pixel's residual, which the fit needs: with respect to the
-    /// logarithm of the aperture and to the inverse focus distance. They are computed from images for
-    /// slightly changed lenses. `focus_step_per_m` is the change of the inverse focus distance, in 1/m, and
-    /// is added and subtracted. Residuals above `linear_from` count linearly.
+    /// Writes to `out` two derivatives of the residual of each pixel (see `at`): with respect to the
+    /// logarithm of the aperture, and to the inverse focus distance. They are differences between images for
+    /// slightly changed lenses. `focus_step_per_m` is the change of the inverse focus distance, in 1/m.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// These two functions write to `out` the residuals (differences in each selected pixel) between an image
-    /// and the given picture to which a lens is fitted. The function `of` uses the image `image`. The
-    /// function `of_even` uses a uniform image, whose brightness is the median of the given picture. Its
-    /// residuals therefore measure the contrast of this picture.
+    /// These two functions write to `out` the residuals of an image: its differences from the given picture
+    /// in the selected pixels. The function `of` uses the image `image`. The function `of_even` uses an image
+    /// of uniform brightness, the median of the given picture, so its residuals measure the contrast of this
+    /// picture.
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 

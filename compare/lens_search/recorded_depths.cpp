@@ -9,12 +9,12 @@ namespace {
 
 /// Number of rows that are read at a time.
 constexpr int rows_per_band = 64;
-/// A pixel is a depth edge if circles of confusion of its nearest and farthest depth differ by at least this
-/// many px in diameter.
+/// A pixel is a depth edge if it contains surfaces at different depths that are blurred differently: the
+/// circles of confusion of the nearest and the farthest differ by at least this many px in diameter.
 constexpr double edge_px = 1;
-/// Margin, in px, by which the radius of a circle of confusion is extended when a test finds the pixels that
-/// its light may reach. The light may go from one corner of a pixel to a corner of another pixel. This adds
-/// half the diagonal of each pixel, in total 1.41 px.
+/// Margin, in px, that is added to the radius of a circle of confusion to find the pixels that its light may
+/// reach. The light may go from one corner of a pixel to a corner of another, which adds half the diagonal of
+/// each pixel, in total 1.41 px.
 constexpr double margin_px = 1.5;
 
 std::size_t index_of(const RecordedDepths& d, int x, int y) {

@@ -25,11 +25,10 @@ struct RecordedDepths {
 /// Throws Error(invalid_input) for a damaged file.
 [[nodiscard]] RecordedDepths recorded_depths(const SampleFileReader& file);
 
-/// Returns one flag per pixel: 1 if the simulated blur is reliable there. It is not if light from outside the
-/// recorded area, or from a pixel on a depth edge, is blurred into the pixel.
-///
-/// A pixel is on a depth edge if the circles of confusion of its nearest and farthest depth differ by 1 px or
-/// more.
+/// Returns one flag per pixel: 1 if the blur computed from the recorded surfaces is reliable there, otherwise
+/// 0. The blur is unreliable in a pixel if light is blurred into it from outside the area that the sample
+/// file contains, or from a depth edge: a pixel whose nearest and farthest depths have circles of confusion
+/// that differ by 1 px or more.
 [[nodiscard]] std::vector<char> reliable_pixels(const RecordedDepths& depths, const FocusGeometry& geometry);
 
 }  // namespace postlens

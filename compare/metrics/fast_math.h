@@ -22,8 +22,9 @@ namespace postlens {
 /// Returns v^exponent for 0 <= v < 1e30 and 0 <= exponent <= 1, or 0 for v <= 1e-30. The relative error is at
 /// most 2e-6.
 [[nodiscard]] inline float power(float v, float exponent) {
-    // v = m 2^e with m in [sqrt(1/2), sqrt(2)), so log2(v) = e + log2(m). ln(m) is 2 artanh(s), with s = (m -
-    // 1) / (m + 1).
+    // Computes log2(v). The float v is m 2^e, where e is an integer and m is in [sqrt(1/2), sqrt(2)), so
+    // log2(v) = e + log2(m). The logarithm of m comes from a series: ln(m) = 2 artanh(s), with s = (m - 1) /
+    // (m + 1).
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(v) - 0x3f3504f3U;
     const auto e = static_cast<float>(static_cast<std::int32_t>(bits) >> 23);
     const auto m = std::bit_cast<float>((bits & 0x007fffffU) + 0x3f3504f3U);
@@ -33,7 +34,7 @@ namespace postlens {
         2.885390082F * s * (1 + ss * (0.333333333F + ss * (0.2F + ss * (0.142857143F + ss * 0.111111111F))));
     // Computes exp2(p) from the integer part of p and a Taylor series of the rest. To split p, `rounder` =
     // 1.5 * 2^23 is added. A float of this size has no bits for fractions, so the addition rounds p to an
-    // integer. This integer is then in the low bits of the sum, `shifted`.
+    // integer, in the low bits of `shifted`.
     constexpr float rounder = 12582912.0F;
     const float p = exponent * log2, shifted = p + rounder;
     const float f = (p - (shifted - rounder)) * 0.693147181F;

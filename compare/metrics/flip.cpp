@@ -9,7 +9,8 @@
 namespace postlens {
 namespace {
 
-// Largest range of the exposures, in stops: that of normal half floats, 2^-14 to 2^16.
+// Largest range, in stops, of the exposures at which HDR-FLIP compares images. It is the range of brightness
+// that normal half floats can store, 2^-14 to 2^16.
 constexpr double most_stops = 30;
 
 // Returns the luminance of a pixel. Negative channels count as 0.

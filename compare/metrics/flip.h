@@ -24,10 +24,10 @@ struct FlipExposures {
 };
 
 /// Returns the exposures at which HDR-FLIP compares images with `reference`, about one per stop
-/// [andersson2021, sec. 3]. They extend from `start` to `stop`. At `start`, the tone curve shows the greatest
-/// luminance of the reference as 0.85. At `stop`, it shows the median luminance as 0.85.
-/// - `white_luminance`: if given, this luminance is used instead of the greatest, and 0.18 instead of the
-///   median
+/// [andersson2021, sec. 3]. At the first exposure, `start`, the tone curve maps the greatest luminance of the
+/// reference to 0.85. At the last exposure, `stop`, it maps the median luminance to 0.85.
+/// - `white_luminance`: if given, the first exposure maps this luminance to 0.85, and the last maps the
+///   luminance 0.18 to 0.85
 [[nodiscard]] FlipExposures flip_exposures(const Image& reference, const PixelMask& usable,
                                            std::optional<double> white_luminance = std::nullopt);
 

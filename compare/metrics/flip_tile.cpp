@@ -27,8 +27,8 @@ constexpr double pi = 3.14159265358979323846;
 constexpr double tone_n2 = 0.6 * 0.6 * 2.51, tone_n1 = 0.6 * 0.03;
 constexpr double tone_d2 = 0.6 * 0.6 * 2.43, tone_d1 = 0.6 * 0.59, tone_d0 = 0.14;
 
-// Returns the 2 radius + 1 weights of a filter. Each is the value of `function` at the tap's signed distance,
-// in px, from the centre.
+// Returns the weights of a filter that reaches `radius` px to either side of its centre. Each weight is the
+// value of `function` at the signed distance from the centre, in px.
 template <typename Function>
 std::vector<double> taps_of(int radius, const Function& function) {
     std::vector<double> taps;
@@ -58,13 +58,13 @@ double sum_of(const std::vector<double>& taps) {
 }  // namespace
 
 FlipFilters::FlipFilters(double pixels_per_degree) {
-    // Parameters of the contrast sensitivity of the eye for each opponent colour channel. The sensitivity is
-    // modelled by a Gaussian a sqrt(pi/b) exp(-pi^2 x^2 / b), where x is the angle in degrees. For the
-    // blue-yellow channel, it is the sum of two Gaussians, with a1, b1 and a2, b2 [andersson2020, table 1 and
-    // eq. 4].
+    // FLIP filters each opponent colour channel by the contrast sensitivity of the eye. The filter is a
+    // Gaussian a sqrt(pi/b) exp(-pi^2 x^2 / b), where x is the viewing angle in degrees. For the blue-yellow
+    // channel, it is the sum of two Gaussians, with a1, b1 and a2, b2 [andersson2020, table 1 and eq. 4].
     constexpr double b_achromatic = 0.0047, b_red_green = 0.0053;
     constexpr double a1 = 34.1, b1 = 0.04, a2 = 13.5, b2 = 0.025;
-    // Width, in degrees, of the detector of edges and points, from peak to trough [andersson2020, sec. 4.2].
+    // Width, in degrees, of the filters by which FLIP finds edges and points [andersson2020, sec. 4.2]. It is
+    // the distance from the peak to the trough of the edge filter, the derivative of a Gaussian.
     constexpr double detector_width = 0.082;
     const double sigma = 0.5 * detector_width * pixels_per_degree;
     const auto colour_radius =
@@ -100,7 +100,8 @@ FlipFilters::FlipFilters(double pixels_per_degree) {
 
 FlipDisplay FlipDisplay::at_exposure(double stops) {
     FlipDisplay out;
-    // The clamp keeps the exposure's factor within the range of a float.
+    // An exposure of `stops` multiplies the light by 2^stops. The clamp keeps this factor within the range of
+    // a float.
     out.scale_ = static_cast<float>(std::exp2(std::clamp(stops, -120.0, 120.0)));
     out.n2_ = static_cast<float>(tone_n2);
     out.n1_ = static_cast<float>(tone_n1);
@@ -111,8 +112,9 @@ FlipDisplay FlipDisplay::at_exposure(double stops) {
 }
 
 double flip_tone_curve_inverse(double level) {
-    // The tone curve is a quotient of quadratics in x. It equals `level` where a x^2 + b x + c = 0, of which
-    // this is the positive root.
+    // Solves tone curve(x) = `level` for x. The tone curve is a quotient of two quadratic polynomials.
+    // Multiplying by its denominator gives the quadratic equation a x^2 + b x + c = 0, whose positive root is
+    // returned.
     const double a = tone_n2 - level * tone_d2, b = tone_n1 - level * tone_d1, c = -level * tone_d0;
     return (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a);
 }
@@ -256,7 +258,8 @@ void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filter
     filter(s.in[1], filters.red_green, filters.red_green, s.out[1]);
     filter(s.in[2], filters.blue_yellow_1_row, filters.blue_yellow_1_column, s.out[2]);
     filter(s.in[2], filters.blue_yellow_2_row, filters.blue_yellow_2_column, s.out[3]);
-    // The detectors of edges and of points need the same Gaussian along rows.
+    // To find edges and points along columns, FLIP first blurs the rows with a Gaussian. The blurred image
+    // `s.half` is the same for both, so it is computed once.
     filter_rows(s.in[0], s.rows, filters.gauss, s.half);
     filter_columns(s.half, filters.edge, s.out[5]);
     filter_columns(s.half, filters.point, s.out[7]);
@@ -265,8 +268,9 @@ void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filter
     to_seen(s.out, to);
 }
 
-// Computes the FLIP error of tiles p and q [andersson2020, sec. 4.1.3, 4.2, 4.3]. Each pixel of `errors`
-// becomes the greater of its old value and this error.
+// Computes the FLIP error of each pixel at one exposure [andersson2020, sec. 4.1.3, 4.2, 4.3]. `p` and `q`
+// are the same tile of the two compared images. `errors` contains the largest error over the exposures
+// computed so far, so it is replaced where the new error is larger.
 POSTLENS_MULTIVERSION
 void raise_errors(const Seen& p, const Seen& q, TileChannel& errors) {
     // `greatest` is the greatest colour distance, which is that of green and blue. FLIP maps colour distances

@@ -15,8 +15,8 @@ struct FlipFilters {
     int radius = 0;
     /// Contrast sensitivity filters of the three opponent colour channels, which model how well the eye sees
     /// details. Each filter is separable (rows, then columns). The filter of the blue-yellow channel is a
-    /// weighted sum of two Gaussians, 1 and 2. Their weights are multiplied into blue_yellow_1_column and
-    /// blue_yellow_2_column. The taps of every other filter sum to 1.
+    /// weighted sum of two Gaussians, 1 and 2, whose weights are multiplied into the column filters. The taps
+    /// of every other filter sum to 1.
     TileChannel achromatic, red_green;
     TileChannel blue_yellow_1_row, blue_yellow_1_column, blue_yellow_2_row, blue_yellow_2_column;
     /// Filters that detect edges and points. `gauss` is a Gaussian, `edge` its first derivative and `point`
@@ -49,7 +49,8 @@ class FlipDisplay {
 /// Returns the x at which the tone curve of HDR-FLIP has the value `level`, which must be in (0, 1).
 [[nodiscard]] double flip_tone_curve_inverse(double level);
 
-/// Sets `map` to each pixel's error, the largest over all `displays` (exposures). There must be at least one.
+/// Sets `map` to the FLIP error of each pixel of `test`, compared with `reference`: the largest over all
+/// exposures in `displays`, of which there must be at least one.
 void flip_errors(const Image& reference, const Image& test, const PixelMask& usable,
                  const std::vector<FlipDisplay>& displays, std::vector<float>& map);
 

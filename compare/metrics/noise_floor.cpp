@@ -14,10 +14,12 @@ namespace {
 constexpr int greatest_block_px = 16;
 constexpr std::size_t wanted_blocks = 64;
 
-// Sums over a block of pixels, from which an image's error is estimated with two noisy references. A is the
-// difference between the image and the first reference, in one channel of a pixel. B is the difference
-// between the image and the second reference.
+// Sums over a block of pixels, from which the error of an image is estimated by two noisy references. A is
+// the image's difference from the first reference in one channel of a pixel, and B its difference from the
+// second.
 struct Sums {
+    // The noise of the references is independent, so the mean of A B is the image's mean squared error
+    // without noise.
     double product = 0;     // A B
     double preference = 0;  // A^2 - B^2
     double noise = 0;       // (A - B)^2
@@ -34,10 +36,9 @@ struct BlockSums {
     std::size_t pixels = 0;
 };
 
-// Estimates the bias b that noise causes, because the sRGB encoding is nonlinear: it shifts the mean of noisy
-// values in proportion to their variance. r1 and r2 are two noisy values of a pixel, and f1 and f2 are their
-// encodings. The mean of f1 and f2 has the bias b. The encoding of the mean of r1 and r2 has only half of
-// this bias, because averaging halves the variance. So b is twice the difference.
+// Estimates the bias b of sRGB-encoded values that is caused by noise, in proportion to its variance. The
+// mean of the encodings f1 and f2 of two noisy values r1 and r2 has the bias b. The encoding of their mean
+// has only half of it, because averaging halves the variance. So b is twice the difference.
 double encoding_bias(float r1, float r2, float f1, float f2) {
     return 2 * (0.5 * (static_cast<double>(f1) + static_cast<double>(f2)) -
                 static_cast<double>(srgb_from_linear(0.5F * (r1 + r2))));
@@ -92,7 +93,8 @@ NoisyError error_of(const std::vector<BlockSums>& blocks, Sums BlockSums::*which
     return {.mse = product / values, .standard_error = std::sqrt(variance) / values};
 }
 
-// Returns the mean squared error of one reference: half the mean squared difference of two independent ones.
+// Returns the mean squared error of a noisy reference image due to its noise. It is half the mean squared
+// difference of two references whose noise is independent.
 double noise_of(const std::vector<BlockSums>& blocks, Sums BlockSums::*which, double values) {
     double noise = 0;
     for (const BlockSums& b : blocks) noise += (b.*which).noise;

@@ -21,8 +21,8 @@ double relative_squared_error(const float* a, const float* b) {
     return sum / 3;
 }
 
-// Returns the mean squared difference over the channels of the pixels that `mask` counts. `pixels` is their
-// number.
+// Returns the mean squared difference between the images over all channels of the pixels that `mask` selects.
+// `pixels` is their number.
 double mean_squared(const Image& a, const Image& b, const PixelMask& mask, double pixels) {
     const auto width = static_cast<std::size_t>(a.width);
     const double sum = sum_of_rows(a.height, [&](std::size_t y) {

@@ -23,8 +23,9 @@ using PixelMask = std::vector<std::uint8_t>;
 /// 0.
 [[nodiscard]] Image encoded_srgb(const Image& image);
 
-/// Returns a mask of the `counted` pixels in which a channel of the two encoded images differs by more than
-/// 1/255. The images must have the same size.
+/// Returns a mask of the pixels that the lens or the shutter changes: those in which a channel of the
+/// sRGB-encoded pinhole image and of the reference differs by more than 1/255. Only pixels in the mask
+/// `counted` are included. The images must have the same size.
 [[nodiscard]] PixelMask affected_pixels(const Image& pinhole_encoded, const Image& reference_encoded,
                                         const PixelMask& counted);
 

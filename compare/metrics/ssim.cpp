@@ -27,10 +27,9 @@ std::array<float, 2 * window_radius + 1> window() {
     return out;
 }
 
-// Values from which SSIM is computed for two images, a and b, with the difference d = a - b: within a window
-// around each pixel, the means of a and d, and the mean squares of a, b and d. The result equals that of
-// [wang2004], which multiplies a by b instead of using d, but with d it stays precise for nearly equal
-// images.
+// Means and mean squares, within a window around each pixel, from which SSIM is computed for two images a and
+// b. The usual formula [wang2004] needs the mean product of a and b. Here, the difference d = a - b replaces
+// it, so that the result remains precise if a and b are nearly equal.
 struct Moments {
     TileChannel a, d, aa, bb, dd;
     explicit Moments(std::size_t size) : a(size), d(size), aa(size), bb(size), dd(size) {}

@@ -18,8 +18,9 @@ namespace postlens {
 namespace fs = std::filesystem;
 namespace {
 
-// Paths of the temporary files, for the signal handler. To use or free a path, its pointer is first exchanged
-// for null. A thread and the handler thus never share it.
+// Paths of the temporary files that exist now, so that the signal handler can delete them if the program is
+// interrupted. Whoever uses or frees a path first exchanges its pointer for null. So a thread and the handler
+// never use the same path at once.
 constexpr std::size_t slot_count = 64;
 std::array<std::atomic<char*>, slot_count> g_temporaries{};
 static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler may touch only lock-free atomics");
@@ -147,10 +148,10 @@ void OutputFile::commit() {
     fs::rename(temporary_, destination_, ec);
     if (ec) fail_to_write(target_, ec.value());
     committed_ = true;
-    // The temporary file was just renamed to its final name. A file name is stored in the folder that
-    // contains the file, so this folder must be written to the disk too. Otherwise, the new name could be
-    // lost in a power failure. Errors are ignored: the file itself is complete, and some folders cannot be
-    // opened for reading.
+    // A file name is stored in the folder that contains the file. Therefore, after the temporary file has
+    // been renamed, its folder must be written to the disk too. Otherwise, the new name could be lost in a
+    // power failure.
+    // Errors are ignored, because the file itself is complete, and some folders cannot be opened for reading.
     static_cast<void>(flush_to_disk(folder_of(destination_), O_RDONLY | O_DIRECTORY));
 }
 

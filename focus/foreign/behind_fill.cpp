@@ -15,9 +15,9 @@
 namespace postlens {
 namespace {
 
-/// Smallest difference, in px, between the signed CoC radii of two samples that belong to different surfaces.
-/// If samples of neighbouring pixels differ by less, they count as one surface. The radii are negative in
-/// front of the focus.
+/// Smallest difference, in px, between the signed CoC radii of two neighbouring samples on different
+/// surfaces. The signed radius is negative in front of the focus, positive behind it, and grows with the
+/// depth. If the radii differ by less than this, the samples count as one surface.
 constexpr float least_step_px = 1;
 /// The surface that is hidden behind a pixel is estimated from farther surfaces in its surroundings. This is
 /// the largest distance of the search for them, in px.
@@ -33,11 +33,12 @@ struct Radii {
     [[nodiscard]] bool is_nothing() const { return std::isinf(own); }
 };
 
-/// Returns whether the sample `other` lies behind the sample `own`. The signed CoC radius of a sample grows
-/// with its depth, so a sample with a larger radius lies farther away. If the radii differ by less than
-/// least_step_px, the samples count as one surface, unless an effect has made their blur radii differ by at
-/// least least_step_px.
+/// Returns whether the sample with the CoC radii `other` lies behind the sample with the radii `own`. A
+/// signed CoC radius grows with the depth, so the farther sample has the larger one. Samples whose radii are
+/// almost equal count as one surface.
 bool is_farther(const Radii& other, const Radii& own) {
+    // An effect, such as keeping an object sharp, may give almost equally deep samples different blur radii.
+    // They then count as two surfaces.
     return other.own - own.own >= least_step_px ||
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
 }
@@ -109,9 +110,8 @@ class BehindSearch::Impl {
 
   private:
     /// Decides which translucent pixels count as opaque. What lies behind a translucent pixel is estimated
-    /// from farther surfaces in its neighbourhood. If no pixel within reach of its blur shows a farther
-    /// surface, what lies behind is unknown. Its last sample then counts as opaque, and the pixel is marked
-    /// in `fills_`.
+    /// from farther surfaces in its neighbourhood. If there is no such surface close enough, the pixel counts
+    /// as opaque, and is marked in `fills_`.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -146,9 +146,9 @@ class BehindSearch::Impl {
         }
         if (count == 0) return {};
         if (has_ids_) count = keep_most_seen(finds, count);
-        // `finds` are the farther surfaces that were found in the directions around the pixel (x, y). The
-        // hidden surface gets the depth and object of the closest of them, `nearest`. Its colour is the
-        // weighted mean of all surfaces in `finds` at nearly this depth.
+        // Estimates the hidden surface of the pixel (x, y) from `finds`, farther surfaces around the pixel.
+        // The hidden surface gets the depth and object of `nearest`, the surface that was found closest to
+        // the pixel. Its colour is the weighted mean of all found surfaces that have nearly this depth.
         const Find* nearest =
             std::min_element(finds.data(), finds.data() + count,
                              [](const Find& a, const Find& b) { return a.distance_px < b.distance_px; });
@@ -191,13 +191,13 @@ class BehindSearch::Impl {
         bool fills = false;                  ///< as Behind::fills
     };
 
-    /// Visits the pixels that lie in the direction `d` from (x, y), one after another, and calls `take` for
-    /// each. `blur_px` is the blur radius of the pixel (x, y). The walk ends if `take` returns true, where
-    /// the image and its stored pixels end, or at a distance where the circle of confusion of no pixel can
-    /// overlap that of (x, y).
+    /// Walks from the pixel (x, y), whose blur radius is `blur_px`, in the direction `d`, and calls `take`
+    /// for each pixel on the way. The walk ends if `take` returns true, or beyond the image and its stored
+    /// pixels.
     template <typename Take>
     void walk(int x, int y, const Direction& d, float blur_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
+        // Beyond this distance, no pixel's blur can overlap the blur of (x, y), so the walk ends.
         const float limit_px = limit_of(blur_px);
         for (int s = 1; static_cast<float>(s) * step_px <= limit_px; ++s) {
             x += d.dx;
@@ -309,10 +309,9 @@ class BehindSearch::Impl {
         return is_near;
     }
 
-    /// Searches for a surface that may be visible behind the surface of the pixel (x, y) when the image is
-    /// blurred. It goes from this pixel in `direction`, and returns the first surface that is farther away
-    /// and whose circle of confusion overlaps or touches that of the pixel. `own` has the CoC radii of the
-    /// pixel's surface.
+    /// Goes from the pixel (x, y) in `direction` to find a surface that the blurred image may show behind
+    /// this pixel's own surface. Returns the first surface that is farther away and whose blur overlaps or
+    /// touches the blur of the pixel. `own` has the pixel's CoC radii.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -341,10 +340,9 @@ class BehindSearch::Impl {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// The hidden surface behind a pixel is estimated from `finds`, the farther surfaces found around the
-    /// pixel. This function keeps only the surfaces of one object: the object with the largest sum of
-    /// weights. Otherwise, a small light source nearby could brighten the estimated surfaces along a whole
-    /// edge.
+    /// Keeps only those surfaces in `finds` that show one object: the object with the largest sum of weights.
+    /// Otherwise, for example, a small light source near an edge would be mixed into the hidden surfaces
+    /// along the whole edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;
@@ -482,11 +480,11 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
     for (int y = window.y_begin; y < window.y_end; ++y) {
         for (int x = window.x_begin; x < window.x_end; ++x) {
             const std::size_t k = at(x, y);
-            // Sums up the empty space in the square around the pixel that the blur of the pixel's own samples
-            // can reach. The blur may reach 0.75 px farther than the CoC radius: 0.5 px because a pixel
-            // extends half its width beyond its centre, and 0.25 px because kernels are computed for rounded
-            // depths.
+            // Counts the pixels without a surface (empty space) in a square as wide as the blur of the
+            // pixel's own samples.
             const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
+            // The blur may reach 0.75 px farther than the CoC radius: 0.5 px because a pixel extends half its
+            // width beyond its centre, and 0.25 px because kernels are computed for rounded depths.
             const int reach = static_cast<int>(std::ceil(radius + aberration_px + 0.75)) - 1;
             const int column = x - known.x_begin, row = y - known.y_begin;
             const double around = sums.of(column - reach, column + reach + 1, row - reach, row + reach + 1) /

@@ -46,9 +46,9 @@ struct Behind {
 /// the object with the largest sum of weights counts.
 class BehindSearch {
   public:
-    /// Prepares the search in `picture` for the lens in `geometry`. Both must outlive this object.
-    /// `aberration_px` is the distance, in px, by which spherical aberration of the lens spreads light beyond
-    /// the circle of confusion.
+    /// Prepares the search for hidden surfaces behind the pixels of `picture`, as the lens in `geometry` may
+    /// see them. `picture` and `geometry` must outlive this object. `aberration_px` is the distance, in px,
+    /// by which spherical aberration spreads light beyond the circle of confusion.
     BehindSearch(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px = 0);
     /// Estimates, for each pixel of row `y`, the surface that lies behind the visible one. Writes the
     /// estimates to `out`, one per pixel. Several threads may call this function at the same time.
@@ -63,8 +63,9 @@ class BehindSearch {
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
                                               double aberration_px = 0);
 
-/// Returns, for each pixel of `window`, an upper bound of the fraction of the pixel that empty space fills in
-/// the blurred image. The bound is not tight, and may exceed 1. The values are ordered row by row.
+/// Returns, for each pixel of `window`, an upper bound of the fraction of the pixel that empty space (pixels
+/// without any surface) fills in the blurred image. The bound is not tight, and may exceed 1. The values are
+/// ordered row by row.
 [[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
                                                   const FocusGeometry& geometry, const RasterWindow& window,
                                                   double aberration_px = 0);

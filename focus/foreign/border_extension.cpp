@@ -72,8 +72,9 @@ BorderExtension::Continued BorderExtension::continue_inwards(const StackSample& 
     return out;
 }
 
-/// Returns the sample of pixel (x, y) that lies on the same surface as `sample`, which belongs to a
-/// neighbouring pixel. Returns null if there is none.
+/// Returns the sample of pixel (x, y) that lies on the same surface as `sample`, a sample of a neighbouring
+/// pixel. If there are several such samples, returns the one whose inverse depth is nearest to that of
+/// `sample`; if there is none, null.
 const StackSample* BorderExtension::next_of(const StackSample& sample, int x, int y) const {
     if (!p_.stores(x, y)) return nullptr;
     const auto apart = [&](const StackSample& s) {

@@ -25,8 +25,8 @@ struct ObjectEffects {
     std::vector<Offset> offsets;
 };
 
-/// Applies the effects to all samples in `picture` of the objects that `effects` names. Throws the errors of
-/// `choose_samples`.
+/// Applies the effects (holdouts, sharp objects, offsets in depth) to the samples of `picture`. `effects`
+/// names the objects for each effect. Throws the errors of `choose_samples`.
 ///
 /// If an offset would move a sample nearer than 1 mm to the camera, the sample is moved to 1 mm instead, and
 /// the warning `offset` is added to picture.repairs.

@@ -32,10 +32,9 @@ struct Facet {
     bool beyond = false;      ///< lies beyond the border of the picture (BorderExtension)
 };
 
-/// The surfaces of an image as quadrilaterals, one for each sample, sorted by pixel. Estimated surfaces are
-/// included: those that edges hide, and those beyond the image border. If neighbouring pixels show the same
-/// surface, their quadrilaterals have equal depths at their common corners, so that no gap opens between them
-/// when they are seen from another lens point.
+/// The surfaces of an image as quadrilaterals, one for each sample, sorted by pixel. They include estimates
+/// of surfaces that the image does not show, behind edges and beyond the image border. Neighbouring
+/// quadrilaterals of one surface have equal depths at their common corners, so no gap opens between them.
 class Facets {
   public:
     /// Makes the quadrilaterals of the image `p`.

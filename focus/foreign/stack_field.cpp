@@ -20,8 +20,9 @@ constexpr int rows_per_task = 32;
 /// Number of views between two checks for cancellation of the job.
 constexpr std::size_t views_per_look = 16;
 
-/// A view: what one lens point sees, drawn with one sample per pixel. The sample lies at the same position in
-/// every pixel, but at another position in each view. So the mean of the views has smooth edges.
+/// A view: the image that one lens point sees, drawn with one sample per pixel. Within a view, the sample
+/// lies at the same position in every pixel. This position differs from view to view, so their mean has
+/// smooth edges.
 struct View {
     float lens_x, lens_y;  ///< shift of the image by the lens point, in px per 1/m of inverse depth
     float inverse_focus_per_m;
@@ -65,13 +66,13 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
 }
 
 /// Returns whether the sample `f` counts as opaque when it is seen from the lens point number `view`. A
-/// translucent sample counts as opaque for a random part of the lens points and as transparent for all
-/// others. This part equals its alpha, so the mean over all lens points is correct (stochastic transparency).
+/// translucent sample counts as opaque for a random part of the lens points, equal to its alpha, and as
+/// transparent for all others. So the mean over all lens points is correct (stochastic transparency).
 bool is_opaque(const Facet& f, std::uint32_t view) {
     if (f.sample.alpha >= 1) return true;
-    // The sample is opaque if its alpha exceeds a pseudo-random number from 0 to 1, made by a scrambled van
-    // der Corput sequence. The seed is that of the sample, so samples of one pixel are opaque independently
-    // of each other.
+    // The sample counts as opaque if its alpha exceeds a pseudo-random number: the one with the index `view`
+    // in a scrambled van der Corput sequence. Each sample has its own scrambling, f.seed, so the samples of a
+    // pixel are opaque independently of each other.
     const std::uint32_t place = reverse_bits(owen_scramble_reversed(reverse_bits(view), f.seed));
     const std::uint32_t bits = reverse_bits(owen_scramble_reversed(place, mix32(f.seed)));
     return static_cast<double>(bits) * 0x1p-32 < static_cast<double>(f.sample.alpha);
@@ -80,7 +81,8 @@ bool is_opaque(const Facet& f, std::uint32_t view) {
 /// The rows of the image that one task draws.
 class Band {
   public:
-    /// `nothing` has one value per pixel: 1 if empty space lies behind the pixel's farthest sample, else 0.
+    /// `nothing` states for each pixel whether empty space lies behind the pixel's farthest sample (1) or not
+    /// (0). In such a pixel, a lens point that sees no surface lacks nothing, so the pixel stays translucent.
     Band(const Facets& facets, const std::vector<std::uint8_t>& nothing, const StackFieldSettings& s,
          int y_begin, int y_end)
         : facets_(facets),
@@ -118,8 +120,9 @@ class Band {
             for (std::size_t c = 0; c < 3; ++c)
                 out.image.rgb[3 * k + c] = static_cast<float>(sums_[i].rgba[c] / s_.views);
             // The aperture may block some lens points for a pixel near the image's corner (vignetting). This
-            // must not make the pixel translucent, so alpha is averaged only over the `passed` lens points
-            // that are not blocked.
+            // makes the pixel darker, but must not make it translucent. Therefore, alpha is divided by
+            // `passed`, the number of lens points that are not blocked, and not by the number of all lens
+            // points.
             const float passed = passed_.empty() ? views : passed_[i];
             const auto alpha = static_cast<float>(sums_[i].rgba[3]);
             out.image.alpha[k] = passed > 0 ? alpha / passed : 1;
@@ -129,6 +132,8 @@ class Band {
             }
             const float covered = passed > 0 ? (alpha + sums_[i].held_out) / passed : 1;
             out.unseen[k] = passed > 0 && nothing_[k] == 0 ? sums_[i].unseen / passed : 0;
+            // If the file shows empty space in the pixel, the pixel may really be translucent. The division
+            // by `covered` must then not increase its alpha.
             out.covered[k] = nothing_[k] == 0 ? covered : std::max(covered, 1.0F);
         }
     }
@@ -172,7 +177,8 @@ class Band {
     }
 
     /// Finds the pixels that a quadrilateral covers when it is seen from one lens point. A pixel counts as
-    /// covered if the quadrilateral contains the pixel's sample, which has integer coordinates here.
+    /// covered if the quadrilateral contains the pixel's sample position. Coordinates are shifted so that
+    /// this position is (column, row), which are integers.
     void meet(const View& v, const Facet& f, std::uint64_t number, int x, int y) {
         std::array<float, Facet::corners> px{}, py{};
         for (std::size_t c = 0; c < Facet::corners; ++c) {
@@ -206,8 +212,8 @@ class Band {
                                      const std::array<float, Facet::corners>& py, float x, float y) {
         const auto side = [&](std::size_t a, std::size_t b) {
             // Returns on which side of the line from corner a to corner b the point (x, y) lies, as the sign
-            // of a cross product. Neighbouring quadrilaterals list the corners of their common side in the
-            // same order. They therefore compute exactly the same value, so no crack opens between them.
+            // of a cross product. Two neighbouring quadrilaterals compute exactly the same value for their
+            // common side. So each point near the side belongs to at least one of them.
             return (px[b] - px[a]) * (y - py[a]) - (py[b] - py[a]) * (x - px[a]);
         };
         const float top = side(0, 1), right = side(1, 3), bottom = side(2, 3), left = side(0, 2),
@@ -224,10 +230,8 @@ class Band {
         if (is_opaque(f, v.number)) nearest = depth;
     }
 
-    /// Adds the colours that the lens point `v` sees in each pixel to the sums over all lens points. These
-    /// are the premultiplied colours of the nearest opaque sample and of all samples in front of it. A
-    /// translucent sample counts as opaque for a random part of the lens points, so the mean over all lens
-    /// points equals compositing with "over".
+    /// Adds what the lens point `v` sees in each pixel to the sums over all lens points: the premultiplied
+    /// colours of the nearest opaque sample and of all samples in front of it.
     void take_hits(const View& v) {
         if (!passed_.empty()) find_passing(v);
         for (const Hit& h : hits_) {
@@ -245,9 +249,9 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // Counts, for each pixel, the lens points that see no surface of the image there, or only a surface
-        // that was extended beyond the image border (`beyond`). Lens points that the aperture blocks do not
-        // count.
+        // Counts for each pixel, in `unseen`, the lens points that see no surface of the file there. A
+        // surface that was only extended beyond the image border (`beyond`) does not count as seen. Lens
+        // points that the aperture blocks are not counted.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;
@@ -265,9 +269,8 @@ class Band {
             of_pixel.push_back({s.id, side, s.alpha});
         }
     }
-    /// Tests, for each pixel, whether the lens transmits the light that passes through the lens point of `v`.
-    /// Towards the image's corners, parts of the lens block this light (vignetting). The result depends on
-    /// `field`, the position at which the ray crosses the plane in focus.
+    /// Tests for each pixel whether light passes through the lens at the lens point of `v`. Towards the
+    /// image's corners, parts of the lens block it (vignetting).
     void find_passing(const View& v) {
         passes_.resize(passed_.size());
         const glm::dvec2 middle((s_.window.x_begin + s_.window.x_end) / 2.0,
@@ -275,6 +278,8 @@ class Band {
         for (std::size_t i = 0; i < passed_.size(); ++i) {
             const glm::dvec2 at(s_.drawn.x_begin + static_cast<int>(i % static_cast<std::size_t>(width_)),
                                 y_begin_ + static_cast<int>(i / static_cast<std::size_t>(width_)));
+            // Which parts block light depends on `field`, the position in the image at which the pixel's ray
+            // crosses the plane in focus, relative to the image's centre.
             const glm::dvec2 field =
                 at + v.point.place - middle - v.point.shift.inverse_focus_per_m * v.point.shift.lens_px;
             passes_[i] = s_.aperture.passes(v.point.lens, field / half_diagonal_px_) ? 1 : 0;

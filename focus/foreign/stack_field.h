@@ -38,17 +38,17 @@ struct ObjectShare {
 };
 
 struct StackField {
-    /// The image that the lens forms, with premultiplied colours and alpha. Alpha has random noise, so it may
-    /// exceed 1.
+    /// The image that the lens forms, with premultiplied colours and alpha. Alpha is a mean over lens points
+    /// for which translucent samples are made opaque at random. Therefore it has noise, and may exceed 1.
     Image image;
-    /// For each pixel, the fraction of lens points that see none of the file's surfaces in this pixel. For
-    /// example, they look past the image border or behind an edge. If the file shows empty space behind the
-    /// pixel's samples, the value is 0, because no surface is missing there.
+    /// For each pixel, the fraction of lens points that see none of the file's surfaces there. For example,
+    /// they look past the image border, or see behind an edge what the file does not contain. But if the file
+    /// itself shows empty space in the pixel, no surface is missing, so the value is 0.
     std::vector<float> unseen;
-    /// For each pixel, the mean alpha over the lens points, including objects that only hide others
-    /// (holdouts). It may be below 1, for example near the image border, where some lens points see nothing.
-    /// divide_by_covered() therefore divides the pixel's colour and alpha by it. If empty space lies behind
-    /// the pixel's samples, this value is at least 1, so the division does not make the pixel opaque.
+    /// For each pixel, its mean alpha over the lens points. Objects that only hide others (holdouts) count,
+    /// too. The function divide_by_covered() divides the pixel's colour and alpha by this value, because some
+    /// lens points may see nothing, for example near the image border. Where the file shows empty space in
+    /// the pixel, the value is at least 1, so the division does not make the pixel opaque.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
@@ -65,9 +65,9 @@ struct StackField {
 [[nodiscard]] StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                      const StackFieldSettings& settings);
 
-/// Divides the colours and alpha of each pixel by `field.covered`, the mean alpha over the lens points. For
-/// pixels near the image border, some lens points see only what lies beyond the border, where the file has no
-/// surface. Without this division, these pixels would be too dark.
+/// Divides the colours and alpha of each pixel by `field.covered`, the pixel's mean alpha over the lens
+/// points. Near the image border, some lens points see only what lies beyond the border, where the file has
+/// no surface. Without this division, pixels there would be too dark.
 void divide_by_covered(StackField& field);
 
 }  // namespace postlens

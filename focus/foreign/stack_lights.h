@@ -1,6 +1,6 @@
-// Converts the samples of an image from another program to light that can be blurred (PixelLight). The light
-// that the pinhole sees is separated from the light that nearer samples hide from the pinhole, because other
-// lens points may see it.
+// Converts the samples of an image from another program to light that can be blurred (PixelLight). A pixel
+// may have several samples, one behind another. The light that nearer samples hide is kept separately,
+// because other lens points than the pinhole may see it.
 #pragma once
 
 #include <span>
@@ -13,32 +13,34 @@
 
 namespace postlens {
 
-/// Which value of a sample is blurred like a colour: its colour, or its alpha in all three channels.
+/// Which value of a sample is blurred. To blur alpha, it is copied to red, green and blue, so that it can be
+/// blurred by the same functions as a colour.
 enum class StackValue { colour, alpha };
 
-/// Converts the samples of a pixel, which lie one behind another, to light that can be blurred. The light of
-/// each surface has two parts: light that the pinhole sees, and light that nearer samples hide from the
-/// pinhole but not from all lens points. Samples with similar signed CoC radii form one surface.
+/// Converts the samples of a pixel to light that can be blurred. Samples with similar signed CoC radii form
+/// one surface, because they are blurred almost equally. The light of each surface has two parts: the light
+/// that the pinhole sees, and the light that nearer samples hide from the pinhole.
 class StackLights {
   public:
-    /// If `with_nothing` is true, empty space behind the samples is added as a sharp black surface at
-    /// infinity. Otherwise, empty space is ignored.
+    /// Set `with_nothing` if empty space behind the samples should take part in the compositing. It is then
+    /// added as a sharp surface at infinity without colour and alpha, so the blurred edges of objects in
+    /// front of it are translucent. Otherwise, empty space is ignored.
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
     /// Appends the light of one pixel to `out`.
     /// - `x`: column of the pixel
     /// - `stack`: the samples of the pixel, from the nearest to the farthest
-    /// - `fills`: whether the last (farthest) sample counts as opaque even if its alpha is below 1
+    /// - `fills`: whether the farthest sample counts as opaque even if its alpha is below 1
     /// - `open`: fraction of light that all samples of the pixel together transmit
-    /// - `behind`: the estimated surface behind the samples, or null
-    /// - `value`: what is blurred, colour or alpha
+    /// - `behind`: the estimated surface that these samples hide, or null
+    /// - `value`: whether the colour of the samples is blurred, or their alpha
     void add(int x, std::span<const StackSample> stack, bool fills, double open, const Behind* behind,
              StackValue value, std::vector<PixelLight>& out);
 
-    /// Returns the number of the surface to which samples with this signed CoC radius belong. Samples of one
-    /// pixel are merged to one surface if they are blurred nearly equally. So radii within about 1 px of each
-    /// other have the same number; for large radii, the limit is 1/16 of the radius.
+    /// Returns a number for a signed CoC radius. Samples of one pixel with equal numbers are merged to one
+    /// surface, because they are blurred almost equally. Radii with equal numbers differ by less than about 1
+    /// px, or by less than about 1/16 of the radius if it is large.
     [[nodiscard]] static std::uint32_t surface_of(double signed_radius_px);
     static constexpr std::uint32_t nothing = ~std::uint32_t{0};
 
@@ -47,12 +49,10 @@ class StackLights {
         std::uint32_t surface;
         double radius_px, seen;
     };
-    /// Two inverse depths of a sample, in 1/m.
+    /// Two inverse depths of a sample, in 1/m. They differ only if an effect changes the blur of the sample's
+    /// object, for example "keep this object sharp".
     /// - `order`: depth that decides which samples hide it
     /// - `spread`: depth that decides how large its circle of confusion is
-    ///
-    /// They differ only if an effect changes the blur of the sample's object, for example "keep this object
-    /// sharp". The effect does not change which objects hide it.
     struct Depths {
         double order = 0, spread = 0;
     };

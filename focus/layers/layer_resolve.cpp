@@ -8,14 +8,14 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// The colour of a mirror image at a pixel is the mean over the image's blurred samples there. If these
-/// samples cover less than this fraction of the pixel, the mean is unreliable. It is then mixed with a second
-/// estimate: the colour of the same image, blurred as if it were painted on the mirror.
+/// Smallest covered fraction of a pixel for a reliable colour of a mirror image. This colour is a mean over
+/// the mirror image's blurred samples. If they cover less than this fraction of the pixel, the mean is mixed
+/// with a second estimate: the colour of the same image, blurred as if it were painted on the mirror.
 constexpr double enough_weight = 0.05;
 
-/// The light that arrives at a pixel after one sequence of reflections and transmissions, for example after a
-/// single reflection. `terms` has the sums of blurred light, one for each surface that is seen after this
-/// sequence. `rgb` is the colour that results from them.
+/// The light that arrives at a pixel after one sequence of bounces, for example after a single reflection.
+/// - `terms`: the blurred light of each surface that is seen after these bounces
+/// - `rgb`: mean colour of these surfaces, after they have been composited
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};
@@ -30,13 +30,15 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds the light of a reflected or transmitted image to the light of `surface`, the mirror or glass that
-/// shows it in this pixel. `rgb` is the mean colour of the image. It is multiplied by mask.alpha, the
-/// fraction of the pixel that shows the image. The image's light is assumed to pass through the same side of
-/// the lens as the surface's own light, so it also gets a part of the surface's lens moment.
+/// Adds the light of a mirror image to `surface`, the mirror that shows it in a pixel. The same is done for
+/// what is seen through glass.
+/// - `rgb`: mean colour of the image
+/// - `mask`: its `alpha` is the fraction of the pixel that shows the image
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) surface.rgb[c] += mask.alpha * rgb[c];
+    // It is unknown how the image's light varies over the lens. It is assumed to vary like the mirror's
+    // alpha, so the lens moment of the light is computed from that of the alpha.
     const double added = share * (rgb[0] + rgb[1] + rgb[2]);
     surface.lens.rgb.x += added * surface.lens.alpha.x;
     surface.lens.rgb.y += added * surface.lens.alpha.y;
@@ -50,9 +52,9 @@ void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     }
 }
 
-/// Combines the blurred light of one surface at a pixel. `seen` is the light of its samples that the pinhole
-/// sees, and `hidden` the light of those that other surfaces hide from the pinhole. Either pointer may be
-/// null. Returns nothing if there is no light.
+/// Combines the two parts of a surface's blurred light at a pixel: `seen`, from its points that the pinhole
+/// sees, and `hidden`, from its points that other surfaces hide from the pinhole. Either pointer may be null.
+/// Returns nothing if there is no light.
 std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidden) {
     const double weight = (seen != nullptr ? seen->weight : 0.0) + (hidden != nullptr ? hidden->weight : 0.0);
     if (!(weight > smallest_layer_weight)) return std::nullopt;
@@ -61,10 +63,9 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// Fills `fragments` with the light of the surfaces in `terms`, all seen after the same sequence of
-/// reflections and refractions. If such a surface is itself a mirror or glass, the light that it reflects or
-/// transmits is added. This light is in `longer`, whose sequences have one bounce more. Returns the sum of
-/// the weights of the surfaces in `terms`.
+/// Fills `fragments` with the blurred light of each surface in `terms` at a pixel. All these surfaces are
+/// seen after the same sequence of reflections and refractions. Returns the fraction of the pixel that they
+/// cover.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -82,6 +83,8 @@ double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
         }
         auto fragment = fragment_of(seen, hidden);
         if (!fragment) continue;
+        // If the surface is a mirror or glass, adds the light that it shows. This light has one bounce more,
+        // and is therefore found in `longer`.
         for (const Chain& next : longer) {
             if (next.path().parent() == NodePath(term.part->path)) show(*fragment, term.part->shown, next);
         }
@@ -128,8 +131,8 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     if (!out || own == terms.size()) return out;
     thread_local std::vector<Chain> chains;
     chains.clear();
-    // Computes the light of the longest sequences of bounces first. For example, a surface seen after one
-    // bounce needs the light of surfaces seen after two bounces.
+    // Computes the light of each sequence of bounces, the longest first. A mirror that is seen after one
+    // bounce shows surfaces that are seen after two, so their light must be known first.
     for (std::size_t end = terms.size(); end > own;) {
         std::size_t begin = end - 1;
         while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;

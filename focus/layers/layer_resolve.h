@@ -27,9 +27,7 @@ inline constexpr double smallest_layer_weight = 1e-12;
 
 /// Returns the light that a directly visible surface sends to a pixel, including what it reflects and
 /// transmits. Returns nothing if the surface's blur does not reach the pixel.
-/// - `terms`: sums of blurred light at this pixel, for the surface and for all that it reflects and
-///   transmits, sorted by LayerTerm::part
-/// - `geometry`: the lens, which decides how differently two depths are blurred
+/// - `terms`: the blurred light of the surface and of each image that it shows, sorted by LayerTerm::part
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

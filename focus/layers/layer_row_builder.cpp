@@ -7,12 +7,12 @@
 namespace postlens {
 namespace {
 
-/// From these CoC radii on, in px, the centres of blur discs are rounded to a quarter pixel or a whole pixel.
-/// More samples then share a blur kernel, and the change is not visible.
+/// Two limits of the CoC radius, in px. The centre of a blur disc is rounded to a quarter pixel above the
+/// first limit, and to a whole pixel above the second. More samples can then share a blur kernel.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// Blur radii, in px, that are passed to NodeResponses::phases instead of a sample's own radius, because this
-/// function rounds the centres of larger blur kernels more coarsely. For the first radius, it rounds them to
-/// quarter pixels; for the second, to whole pixels.
+/// Two radii, in px, that are passed to NodeResponses::phases instead of a disc's true radius. This function
+/// rounds the centre of a blur disc, and more coarsely for larger discs. With the first radius, it rounds to
+/// quarter pixels, and with the second, to whole pixels.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -54,9 +54,9 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     const std::uint32_t number = number_of(part);
     const double spherical_px = t_.responses_.model().spherical_px();
     NodeResponse coarser = response;
-    // If the blur kernel is a uniform disc and large enough, its centre is rounded to a coarser grid. More
-    // samples then share a kernel, and the change is invisible. Other kernels, such as those with a bright
-    // core, keep finer positions, because their core would visibly move.
+    // Rounds the centres of large blur discs more coarsely, so that more samples of the pixel share a kernel.
+    // This is done only for uniform discs (is_even()), because other kernels may have a bright core, which
+    // would visibly move.
     if (!alone_ && t_.responses_.model().is_even() && response.radius_px >= quarter_steps_from_px)
         coarser.radius_px =
             std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
@@ -79,14 +79,15 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Adds a sample to the row, or merges it with a sample that has the same pixel, surface (`number`) and blur
-// kernel. `hash` decides where such a sample is looked up, and so which samples are merged. It must not
-// depend on the timing of threads, so that the image is bit-identical in every run.
+// Adds a sample to the row. If an earlier sample has the same pixel, surface (`number`) and blur kernel, the
+// two are merged. `hash` selects the slot of a small hash table in which the earlier sample is looked up, and
+// so decides which samples are merged. It must not depend on the timing of threads, so that the image is
+// bit-identical in every run.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
-        // The hash table has only one slot per hash value. So if another sample occupies the slot, the new
-        // sample is not merged, which is also correct but slower.
+        // Each slot of the hash table holds one sample. If it holds a sample with another kernel or surface,
+        // the new sample is not merged, which is also correct but slower.
         Slot& slot = slots_[((hash + number) * 0x9E3779B97F4A7C15U) >> 54];
         if (slot.index >= pixel_begin_ && slot.index < row_.splats.size() && slot.key == key) {
             LayerSplat& to = row_.splats[slot.index];
@@ -120,9 +121,9 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
                         is_primary ? primary : t_.responses_.of(node, primary, place_px_),
                         {node.r, node.g, node.b}});
     }
-    // Computes the radiance of each surface point including all that it reflects and transmits (`subtree`).
-    // To this end, the radiance of each point is added to that of its parent: for example, a mirror image to
-    // its mirror. Parents precede their children in the list, so it is traversed backwards.
+    // Adds the radiance of each reflected or transmitted surface point to its parent, the mirror or glass
+    // that shows it. A parent precedes its points in the list, so the list is traversed backwards. Each point
+    // is then complete before it is added.
     for (std::size_t i = met_.size(); i-- > 0;) {
         if (met_[i].node->path == NodePath()) continue;
         for (Met& parent : met_) {
@@ -138,9 +139,10 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// Returns the surface point whose blur is used for light that arrives through `from`. If `from` lies on the
-// far side of a glass object, this is the point on the near side, because the object's visible outline lies
-// there. Refraction can make the blur of the far side far too large. Otherwise, it is `from` itself.
+// Returns the surface point whose blur is used for light that arrives through the surface point `from`. This
+// is `from` itself, unless it lies on the far side of a glass object. Then it is the point on the near side,
+// where the object's visible outline lies, because refraction can make the blur of the far side far too
+// large.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -210,9 +212,11 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// Adds surfaces that other lens points see in a mirror or through glass, but the pinhole does not. `nodes`
-// has the surface points of one such layer: first the hidden surface, and then what this surface reflects and
-// transmits. `primary` is the blur of the mirror or glass that the eye ray hits, and `surface` is its key.
+// Adds surfaces that are hidden from the pinhole, but that other lens points see in a mirror or through
+// glass.
+// - `nodes`: surface points on one ray: first the hidden surface, then what it reflects and transmits
+// - `primary`: blur of the mirror or glass
+// - `surface`: identifies the mirror or glass
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

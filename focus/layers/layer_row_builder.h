@@ -19,8 +19,8 @@
 
 namespace postlens {
 
-/// Builds the splats (samples with their blur kernels) of one row of pixel corners at a time. Each thread
-/// needs its own builder.
+/// Builds the splats (samples with their blur kernels) of the image, one row of samples at a time. Each
+/// thread needs its own builder.
 class LayerSplats::RowBuilder {
   public:
     explicit RowBuilder(LayerSplats& splats) : t_(splats), cache_(splats.kernels_) {}
@@ -32,9 +32,9 @@ class LayerSplats::RowBuilder {
     void begin_row(int y);
     void end_row();
     void add_light(const PixelLight& light);
-    /// The surface samples of one layer on the eye ray through the raster position (x, y), in px: the surface
-    /// that the ray hits, and what this surface reflects and transmits. Layer 0 contains what the pinhole
-    /// sees. All other layers contain surfaces that are hidden from the pinhole.
+    /// The surface points that an eye ray through the raster position (x, y), in px, reaches: a surface on
+    /// the ray, and what this surface reflects and transmits. One ray may have several such groups, because
+    /// surfaces that are hidden from the pinhole are recorded, too.
     struct Nodes {
         float x, y;
         std::span<const Record> records;
@@ -55,10 +55,10 @@ class LayerSplats::RowBuilder {
                            SurfaceKey surface);
     [[nodiscard]] const Met* met_at(NodePath path) const;
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// A mask is a sum over blurred samples that tells how much of each pixel shows a certain object in a
-    /// mirror or through glass. This function adds a sample to such a mask: the surface point `met`, seen in
-    /// the mirror or glass at `from`. The mask ends where the mirror or glass ends, so it is blurred like
-    /// `from`.
+    /// Adds a sample to a mask, which tells how much of each pixel shows a certain object in a mirror or
+    /// through glass. The mask ends where the mirror or glass ends, so the sample is blurred like it.
+    /// - `from`: point of the mirror or glass
+    /// - `met`: point of the object that is seen there
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);

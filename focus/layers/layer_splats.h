@@ -32,8 +32,8 @@ struct SurfaceKey {
     friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
 };
 
-/// Identifies samples that are blurred and summed together: one surface, or one reflection or refraction in a
-/// surface.
+/// Identifies a group of samples that are blurred and summed together. A group has the samples of one
+/// surface, or those of one image that this surface reflects or transmits.
 struct LayerPart {
     enum class Kind : std::uint32_t {
         seen,         ///< nodes that the pinhole sees
@@ -44,37 +44,37 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface that is seen after the reflections and refractions `path`. A mask tells how much of each
-    /// pixel shows a reflected or transmitted image; there, `shown` is the mirror or glass that shows the
-    /// image. If this is the surface in the member `surface`, the key `shown` stays empty.
+    /// Identifies the surface that is seen in `surface` after the reflections and refractions `path`. For a
+    /// mask, which tells how much of each pixel shows a mirror image, `shown` instead identifies the mirror
+    /// or glass that shows the image. `shown` stays empty if this mirror or glass is `surface` itself.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
     friend auto operator<=>(const LayerPart&, const LayerPart&) = default;
 };
 
-/// A sample that will be blurred. `kernel` is the index of its blur kernel in LayerSplats::kernels(). If
-/// several samples are merged, each value is their sum.
-/// - `weight`: the image area that the sample represents, in px^2, times its alpha and the transmittance of
-///   the lens
+/// A sample that will be blurred, or the sum of several merged samples.
+/// - `kernel`: index of the blur kernel in LayerSplats::kernels()
+/// - `weight`: image area that the sample represents, in px^2, times its alpha and the transmittance of the
+///   lens
 /// - `r`, `g`, `b`: colour times `weight`
 /// - `depth`: inverse depth times `weight`, in 1/m
 struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Tells through which part of the lens the sample's light reaches a pixel. The distance from the
-    /// kernel's centre to the pixel, in px along x and y, is multiplied by this factor. The product is the
-    /// mean lens point through which the light passes, in lens radii from the lens's centre.
+    /// Factor that estimates through which lens point the sample's light reaches a pixel. Multiplied by the
+    /// distance from the centre of the blur kernel to the pixel, in px along x and y, it gives the mean lens
+    /// point, in lens radii.
     float lens_per_px = 0;
-    /// Part of `weight` that no lens point sees. A surface in front hides it from the pinhole. This surface
-    /// lies at nearly the same depth, so both move together in the image when the lens point moves.
-    /// Therefore, it hides this part from all other lens points too.
+    /// The part of `weight` that no lens point sees, for a sample that a nearer surface hides from the
+    /// pinhole. If this surface lies at nearly the same depth, it moves with the sample when the lens point
+    /// moves, and therefore always hides it.
     float covered = 0;
 };
 
-/// A run of samples that belong to one surface and lie in the same pixel row of a square of 64 x 64 px. The
-/// run has the elements [begin, end) of the list of all samples in the pixel row `row`.
+/// A run of samples that belong to one surface and lie in one pixel row, within the same square of 64 x 64 px
+/// of the image. It has the elements [begin, end) of the list of all samples in the pixel row `row`.
 struct LayerRun {
     std::uint32_t row = 0;
     std::uint32_t begin = 0, end = 0;
@@ -111,20 +111,19 @@ class LayerSplats {
     LayerSplats(LayerSplats&&) = delete;
     LayerSplats& operator=(LayerSplats&&) = delete;
 
-    /// Adds the surface samples at the pixel corners of the image rows [y_begin, y_end) to the samples that
-    /// will be blurred. `band` must contain these rows and, if the file has them, the rows directly above and
-    /// below. Throws Error(invalid_input) if a pixel's quadtree is damaged.
+    /// Adds the surface samples at the pixel corners of the image rows [y_begin, y_end). `band` must contain
+    /// the records of these rows and, if the file has them, of the rows directly above and below. Throws
+    /// Error(invalid_input) if a pixel's quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// Adds the surface samples at the pixel corners of `rows`, like add_rows(band, y_begin, y_end). `rows`
-    /// may already contain the eye rays that belong to these samples. They are then used, and not computed
-    /// again.
+    /// Adds the surface samples at the pixel corners of the image rows `rows`. If `rows` already contains the
+    /// eye rays to which these samples belong, they are used. Otherwise, the eye rays are computed from the
+    /// records. Throws as the other add_rows() does.
     void add_rows(const FrameRows& rows);
-    /// Prepares this object to blur the image of another program instead of a sample file. Such an image has
-    /// its samples at the centres of the pixels, whereas a sample file has them at the corners. Call this
-    /// function before add_pixels.
-    /// - `known`: pixel corners of the part of the image whose content is known
+    /// Prepares these LayerSplats to blur the image of another program, whose samples lie at the centres of
+    /// the pixels instead of their corners. Call this function before add_pixels().
+    /// - `known`: pixel corners of the area that the image covers; what lies outside is only estimated
     void take_pixels(const RasterWindow& known) {
         from_anchor_px_ = 0.5;
         known_ = known;
@@ -133,14 +132,14 @@ class LayerSplats {
     /// Adds row y of another program's image to the samples to be blurred. Several threads may add different
     /// rows at the same time.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Builds the blur kernels and sorts the samples by surface. Call it after the last row.
+    /// Builds the blur kernels and sorts the samples by surface. Call it after all rows have been added.
     void finish();
 
     /// Starts the first of two passes, in which a large image is computed in strips (groups of rows) to save
-    /// memory. In the first pass, call survey(), add all samples and call finish(), only to find the surfaces
-    /// and blur kernels. In the second pass, call begin_strip() for each strip, add the rows that it returns
-    /// again, and call finish_strip().
+    /// memory. This pass finds only the surfaces and blur kernels: add all samples, then call finish().
     void survey() { keep_ = Keep::none; }
+    /// Starts a strip in the second pass. Returns the ranges of rows whose samples reach the strip. Add these
+    /// rows again, then call finish_strip().
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
@@ -164,9 +163,8 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Returns the position of a sample in its pixel, as the distance from the pixel's upper left corner, in
-    /// px along both axes. It is 0 for a sample file, and 0.5 for images of other programs, whose samples lie
-    /// at pixel centres.
+    /// Returns the distance from a pixel's upper left corner to its sample, in px along both axes. It is 0
+    /// for a sample file, because its samples lie at pixel corners, and 0.5 for the image of another program.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
     [[nodiscard]] const RadianceRange& colours() const { return colours_; }
@@ -175,7 +173,7 @@ class LayerSplats {
     class RowBuilder;
     struct Builders;
     enum class Keep : std::uint8_t { all, none, strip };
-    /// The samples of one surface (`part`) in one pixel row of a square of 64 x 64 px.
+    /// The samples of one surface (`part`) that lie in one pixel row, within the same square of 64 x 64 px.
     struct PlacedRun {
         std::uint32_t part = 0;
         std::uint32_t tile = 0;  ///< column of squares

@@ -20,9 +20,9 @@ typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias)
 typedef double EightStored __attribute__((vector_size(64), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
 
-/// The values of one sample that are added to the sums of each pixel. Before, they are multiplied by the
-/// value of the sample's blur kernel at this pixel. Their order is that of the values of a pixel in
-/// LayerSums::sums_.
+/// The values of one sample, such as its colour and weight. For each pixel that the blurred sample reaches,
+/// they are multiplied by the value of the blur kernel there, and added to the pixel's sums. Their order is
+/// that of LayerSums::sums_.
 struct PlainValues {
     static constexpr std::size_t count = LayerSums::plain_values;
     EightDoubles light;
@@ -104,7 +104,7 @@ __attribute__((always_inline)) inline std::size_t run_length(std::span<const Lay
 
 /// Convolves a row of samples (`values`) with a short row of a blur kernel (`taps`), and adds the result to
 /// `pixels`. The length of the kernel row is a template argument, so that the compiler can unroll the loop
-/// over it. For the usual length of two to four, a loop would take longer than the sums themselves.
+/// over it.
 template <typename Values, int taps_end>
 __attribute__((always_inline)) inline void convolve_few(const Values* values, const double* taps, int count,
                                                         double* pixels) {
@@ -157,7 +157,8 @@ __attribute__((always_inline)) inline void set_differences(const float* edge, in
     taps.back() = after - before;
 }
 
-/// Blurs adjacent samples that share a kernel, and adds them to one row of pixels.
+/// Blurs samples that lie side by side in a row and have the same kernel, and adds them to one row of pixels.
+/// `row` is the row of the kernel that reaches these pixels.
 template <typename Values>
 __attribute__((always_inline)) inline void add_run(std::span<const Values> values, const Kernel& kernel,
                                                    const KernelRow& row, int x, int width, double* sums,

@@ -13,33 +13,35 @@ namespace postlens {
 /// Sums over the blurred samples of one surface, for each pixel of a block of the image. The colour, weight
 /// and depth of each sample are multiplied by its blur kernel and added.
 ///
-/// The interior of a kernel is often uniform. It is therefore stored as differences between neighbouring
-/// pixels, which are 0 except at the kernel's outline. So the time for a sample is proportional to the length
-/// of the outline, not to the area.
+/// The uniform interior of a blur kernel is stored as differences between neighbouring pixels. Therefore, the
+/// time for a sample is proportional to the length of the kernel's outline, not to its area.
 class LayerSums {
   public:
-    /// Number of sums per pixel: 8, which fill an AVX-512 register, or 12 with the sums for lens_at().
+    /// Number of values that are summed for each pixel, for example red, green, blue and weight. There are 8,
+    /// which fill an AVX-512 register, or 12 if it is also summed through which side of the lens the light
+    /// arrives (lens_at()).
     static constexpr std::size_t plain_values = 8, lens_values = 12;
 
     /// Allocates the sums of blurred light for all pixels in `rows`, and sets them to 0.
-    /// - `with_lens`: whether to compute the sums that lens_at() returns, too. They need more memory and
-    ///   time. If false, lens_at() returns 0.
-    /// - `from_anchor_px`: offset of a sample from the top left corner (anchor) of its pixel, along x and y:
-    ///   0, or 0.5 if samples lie at pixel centres
+    /// - `with_lens`: whether to compute also the sums for lens_at(), which returns 0 otherwise
+    /// - `from_anchor_px`: distance of each sample from the top left corner of its pixel, along x and y: 0,
+    ///   or 0.5 if samples lie at pixel centres
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
-    /// Completes the sums of all pixels. Sums up the stored differences along each row. Call it after the
-    /// last add() and before reading the sums.
+    /// Completes the sums of all pixels, by summing up the stored differences along each row. Call it after
+    /// the last add() and before reading the sums.
     void finish();
 
     [[nodiscard]] const RasterWindow& rows() const { return rows_; }
-    /// Returns the sums of red, green, blue and weight at a pixel, as four values.
+    /// Returns four sums over the blurred samples at a pixel: red, green, blue and weight. The sum of the
+    /// weights is the fraction of the pixel that the samples cover, but may exceed 1. The colour of each
+    /// sample is multiplied by its weight.
     [[nodiscard]] const double* at(int x, int y) const { return sums_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[4]; }
     [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[5]; }
-    /// Tells through which side of the lens the blurred light at a pixel arrives. Returns two sums over the
-    /// samples that reach the pixel. The first is the sum of light times the lens point through which it
-    /// passes, in lens radii. The second is the sum of weight times this point.
+    /// Tells through which side of the lens the blurred light at a pixel arrives. Returns two sums, over all
+    /// samples that reach the pixel, of their mean lens points, in lens radii. Lens points are weighted with
+    /// red + green + blue in `rgb`, and with the sample's weight in `alpha`.
     [[nodiscard]] LensMoments lens_at(int x, int y) const;
 
   private:

@@ -13,24 +13,24 @@
 namespace postlens {
 namespace {
 
-/// Width, in px, of the blocks of the image that threads compute. The sums of a block, up to 192 B per pixel,
-/// fit into the L2 cache.
+/// Width, in px, of the blocks into which the image is divided; each block is computed by one thread. With
+/// this width, the sums for a block, of up to 192 B per pixel, fit into the L2 cache.
 constexpr int block_width = 64;
 constexpr int block_height = layers_block_px;
 /// Largest number of fragments in memory at a time. A fragment is the blurred light of one surface at one
 /// pixel, and takes about 200 B. Blocks of the image with more fragments are computed in groups of rows.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
 
-/// Composites the surfaces in `fragments`, which are those that reach the pixel (x, y), from near to far, and
-/// stores the colour in `out`. If each colour channel has blur kernels of its own, only the channel number
-/// `channel` is stored.
+/// Composites the surfaces in `fragments`, which reach the pixel (x, y), from near to far. Stores the
+/// resulting colour in `out`. If the lens blurs red, green and blue differently, this function is called once
+/// per colour channel, and stores only the channel `channel`.
 void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int y, std::size_t channel,
            float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
-    // `open` is the fraction of the lens that vignetting leaves open for the pixel (x, y). The weights of all
-    // surfaces are reduced by this fraction, so an opaque pixel would seem translucent. They are therefore
-    // divided by `open`.
+    // `open` is the fraction of the lens that vignetting leaves open for the pixel (x, y). It reduces the
+    // weights (covered fractions of the pixel) of all surfaces, so that even a fully covered pixel would seem
+    // translucent. Therefore, the weights are divided by `open`.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {
@@ -49,15 +49,15 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     }
 }
 
-/// Returns whether compositing needs to know through which side of the lens the light of `part` arrives,
-/// because a surface in front may block only one side. This is computed for directly visible surfaces (`path`
-/// is 0), but not for what they reflect and transmit.
+/// Returns whether to compute through which side of the lens the light of `part` (a surface or mirror image)
+/// arrives. This is needed only for directly visible surfaces, whose `path` of reflections and refractions is
+/// empty (0). A mirror image uses the result of its mirror.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }
 
-/// A block of the image, and the ascending indices of the groups of samples (LayerCell) whose blur reaches
-/// it.
+/// A block of the image, with the groups of samples whose blur reaches it. `cells` contains the indices of
+/// these groups (LayerCell), in ascending order.
 struct Block {
     RasterWindow window;
     std::vector<std::uint32_t> cells;
@@ -108,7 +108,8 @@ void find_parts(const LayerSplats& splats, const Block& block, std::vector<PartC
     }
 }
 
-/// Computes blocks of the image one after another, in one thread. It reuses its buffers.
+/// Blurs and composites the surfaces in blocks of the image, one block after another. Each thread has its own
+/// object of this class, which reuses its buffers for all blocks.
 class BlockLayers {
   public:
     explicit BlockLayers(const LayerSplats& splats) : splats_(splats) {}
@@ -276,7 +277,8 @@ void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& 
 
 namespace {
 
-/// The blurred light of one surface or mirror image at each pixel, as layers_reference() computes it.
+/// The light that the blurred samples of one surface, or of one mirror image, add to each pixel, as
+/// layers_reference() computes it. There is one element per pixel.
 using ReferenceSums = std::vector<LayerTerm>;
 
 void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPart& part, std::size_t channel,

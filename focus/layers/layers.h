@@ -10,8 +10,9 @@ namespace postlens {
 /// Height of the blocks in which images are computed, in px.
 inline constexpr int layers_block_px = 64;
 
-/// Computes the blurred image, or only the blocks of pixels that overlap `wanted`. The result is
-/// bit-identical for any number of threads.
+/// Blurs the samples `splats` with the method `layers`, and stores the result in `image`. If `wanted` is set,
+/// only the blocks of pixels that overlap this rectangle are computed. The result is bit-identical for any
+/// number of threads.
 void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
 /// Computes the same image as layers(), but in the simplest way: it evaluates the impulse response of every

@@ -30,9 +30,10 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Returns the fraction of a surface's light that passes, if this function is the transmittance of what
-    /// lies in front. The light varies linearly over the lens, too: `sum` is its mean over the lens, and
-    /// `moment` its tilt. So the fraction is the mean of the product, divided by `sum`.
+    /// Returns the fraction (0 to 1) of a surface's light that passes the surfaces in front, whose
+    /// transmittance is this object. The light varies over the lens, too.
+    /// - `sum`: mean of the light over the lens
+    /// - `moment`: its tilt, which tells on which side of the lens it is brighter
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
         const double varies = sum == 0 ? 0 : 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum;
         return std::clamp(mean + varies, 0.0, 1.0);
@@ -63,9 +64,9 @@ void sort(std::span<Fragment> fragments, const Before& before) {
 void sort_by_depth(std::span<Fragment> fragments) {
     sort(fragments,
          [](const Fragment& a, const Fragment& b) { return a.inverse_depth_per_m > b.inverse_depth_per_m; });
-    // Surfaces whose depths are equal, except for rounding errors, are sorted by alpha, with the smallest
-    // first. For example, a small light source may lie on a wall. Otherwise, the rounding errors could put it
-    // behind the wall, which would hide it.
+    // Sorts surfaces at the same depth by alpha (covered fraction of the pixel), with the smallest first.
+    // Otherwise, rounding errors of the depth could put a small light source behind the wall on which it
+    // lies, and the wall would hide it.
     constexpr double one_plane = 1e-5;
     for (std::size_t begin = 0, end = 1; begin < fragments.size(); begin = end++) {
         while (end < fragments.size() &&
@@ -83,8 +84,8 @@ void sort_by_depth(std::span<Fragment> fragments) {
 namespace {
 
 /// The part of a surface's light that arrives at the pixel, because the surfaces in front transmit it. Colour
-/// and alpha may vary differently over the lens, for example if a bright spot is seen only from one side. So
-/// different fractions of them are transmitted, and they are summed separately.
+/// and alpha are summed separately, because they may vary differently over the lens. For example, a bright
+/// spot may be visible from only one side of the lens.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;
@@ -96,18 +97,19 @@ struct Arrived {
         for (std::size_t c = 0; c < 3; ++c) rgb[c] += shown * light.rgb[c];
         const double whole = times * light.alpha;
         alpha += whole * open.passing(light.alpha, light.lens.alpha);
-        // The coverage by the light that arrives is a product of two linear functions over the lens: the
-        // light's alpha and the transmittance `open` of the surfaces in front. `lens` sums the tilts of these
-        // products. A tilt (see OverLens) tells on which side of the lens the product is larger.
+        // Adds the tilt of the alpha that arrives. This alpha is the product of two linear functions over the
+        // lens: the alpha of `light`, and the transmittance `open` of the surfaces in front. Each line adds
+        // the two terms of the product's tilt (see OverLens).
         lens.x += times * open.mean * light.lens.alpha.x + std::min(whole, 1.0) * open.tilt.x;
         lens.y += times * open.mean * light.lens.alpha.y + std::min(whole, 1.0) * open.tilt.y;
     }
 };
 
-/// `laid` has the nearer surfaces at the pixel, which have already been composited. Returns their coverage of
-/// the pixel, but counts only those that shift nearly as far as a given surface when the lens point moves.
-/// `radius_px` is the signed CoC radius of this surface. A surface counts fully if it shifts equally, and not
-/// at all if it shifts independently.
+/// Returns how much of the pixel is covered by those nearer surfaces that move together with a new surface
+/// when the lens point moves. Surfaces move in the image in proportion to their signed CoC radius, so these
+/// are surfaces with a similar radius. A surface counts fully if the radii are equal.
+/// - `laid`: the nearer surfaces at the pixel, which have already been composited
+/// - `radius_px`: signed CoC radius of the new surface
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     for (std::size_t i = laid.size(); i-- > 0;) {
@@ -136,10 +138,10 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     double total = 0;
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        // `f.seen` has the samples of this surface that the pinhole sees, so no nearer surface hides them
-        // from the pinhole. If a nearer surface lies at nearly the same depth, it moves together with them
-        // when the lens point moves. It therefore hides them from no lens point at all. So `open` is the
-        // transmittance of only the other nearer surfaces.
+        // Computes `open`, the transmittance of the nearer surfaces for `f.seen`, the part of this surface
+        // that the pinhole sees. A nearer surface at almost the same depth hides `f.seen` from no lens point,
+        // because both move together. Therefore, its coverage is added to `free`, the transmittance of all
+        // nearer surfaces.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
@@ -148,10 +150,10 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // `light` is the light that arrives from this surface. If its alpha is less than `least`, the part
-        // that the nearer surfaces must leave visible, some of the blocked light is added. Multiplying the
-        // light that arrives by a factor would be wrong instead: if it is very small, this could make the
-        // pixel arbitrarily bright.
+        // `light` is the part of this surface's light that the nearer surfaces transmit. The linear
+        // approximation may make its alpha less than `least`, although the nearer surfaces cannot cover so
+        // much. Then a part of the blocked light is added until the alpha is `least`. Scaling the light that
+        // arrives would be wrong: if it is very small, this could make the pixel arbitrarily bright.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)
@@ -161,9 +163,9 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // `free` is the transmittance of all surfaces so far, as a linear function over the lens. Rounding
-        // and the linear approximation may make its tilt too large. A function with values from 0 to 1 and
-        // the mean A has a tilt of at most A (1 - A), so the tilt is limited to this value.
+        // `free` is the transmittance of all surfaces composited so far, as a linear function over the lens.
+        // If its values lie between 0 and 1 and its mean is A, its tilt is at most A (1 - A). The linear
+        // approximation may exceed this, so the tilt is limited.
         const double most = free.mean * (1 - free.mean),
                      is = std::sqrt(free.tilt.x * free.tilt.x + free.tilt.y * free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};

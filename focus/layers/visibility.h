@@ -8,23 +8,24 @@
 
 namespace postlens {
 
-/// The moment of some light over the lens: the sum over all its parts, each multiplied by the lens point
-/// through which it passes, in lens radii from the lens's centre. It shows on which side of the lens the
-/// light is concentrated. It is 0 if the light passes evenly through the lens.
+/// The moment of some light over the lens: the sum of the light, multiplied by the lens point through which
+/// it passes, in lens radii from the lens's centre. It points to the side of the lens through which more
+/// light passes.
 struct LensMoment {
     double x = 0, y = 0;
 };
 
-/// Two moments of a surface's light over the lens (LensMoment), one of its colour and one of its alpha. They
-/// tell through which side of the lens the light arrives. One moment serves red, green and blue together,
-/// because the hue of a surface varies little over the lens.
+/// Tells through which side of the lens a surface's light arrives, by a moment (LensMoment) of its colour and
+/// a moment of its alpha. Red, green and blue share a moment, because the hue of a surface varies little over
+/// the lens.
 struct LensMoments {
     LensMoment rgb;  ///< of red + green + blue
     LensMoment alpha;
 };
 
 /// Light of a blurred surface at a pixel, as if nothing were in front.
-/// - `alpha`: fraction of the pixel that the surface covers, averaged over the lens
+/// - `alpha`: fraction of the pixel that the surface covers, averaged over the lens; may exceed 1 if several
+///   samples of the surface overlap
 /// - `rgb`: colour times alpha
 struct SurfaceLight {
     double alpha = 0;  ///< 0 or more
@@ -38,8 +39,9 @@ struct SurfaceLight {
     }
 };
 
-/// A blurred surface at a pixel, divided into its points that the pinhole sees and its points that are hidden
-/// from the pinhole.
+/// A blurred surface at a pixel. Its light has two parts: the light of the points that the pinhole sees,
+/// `seen`, and the light of the points that are hidden from the pinhole, `hidden`. They are stored
+/// separately, because nearer surfaces block more of the hidden part.
 struct Fragment {
     double inverse_depth_per_m = 0;  ///< mean 1/z'
     SurfaceLight seen, hidden;

@@ -51,9 +51,9 @@ class Motions {
         return found == classes_.end() ? 0 : found->second;
     }
     [[nodiscard]] bool moves(std::uint32_t id) const { return camera_ || class_of(id) != 0; }
-    /// Returns how surface points move on the raster from the instant `from_s` to the instant `to_s`, both in
-    /// s. The index in the list is the number of the motion. The first map is for objects that do not move by
-    /// themselves, so only the camera shifts them. One map for each moving object follows.
+    /// Returns how points of objects move on the raster between two instants, in s. The first element
+    /// contains the motion of the camera, for all objects that do not move by themselves. Then follows one
+    /// element for each moving object.
     [[nodiscard]] std::vector<RasterMap> maps(double from_s, double to_s) const {
         constexpr std::uint32_t no_id = 0xFFFFFFFFU;  // an object without its own motion
         std::vector<RasterMap> out{shutter_.motion->map(no_id, from_s, to_s)};
@@ -68,8 +68,9 @@ class Motions {
     bool camera_ = false;
 };
 
-/// Chooses the recorded instants whose surfaces are reprojected to draw the scene at the instant `time_s`.
-/// Each chosen instant gets a weight and, for every object, the motion from this instant to `time_s`.
+/// Returns how to draw the scene at the instant `time_s`, in s, from the few instants that the sample file
+/// records. Each element is a recorded instant near `time_s`, with its weight and with the motion of each
+/// object from then to `time_s`.
 std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
                                     const Motions& motions) {
     std::vector<PatchView::Use> out;
@@ -78,9 +79,9 @@ std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, doubl
     return out;
 }
 
-/// Returns whether the rectangle `crop` contains a gap: a pixel that is drawn, but in which no lens point
-/// sees a recorded surface. Gaps are filled from the surrounding pixels. These may lie outside `crop`, and
-/// must then be drawn too.
+/// Returns whether the rectangle `crop` of the image `seen` contains a gap, a pixel that should be drawn, but
+/// in which no lens point sees a recorded surface. Gaps are filled from the surrounding pixels, so pixels
+/// outside `crop` are then needed, too.
 bool has_gaps(const PatchPicture& seen, std::size_t number, std::span<const FieldViews> sets, int piece_px,
               const std::optional<OneSurface>& simple, const Crop& crop) {
     std::atomic<bool> found = false;
@@ -168,10 +169,9 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // If a mirror image moves in nearly the same way as its mirror when the lens point moves, both are drawn
-    // together. follow_px is the largest difference in px for which this is done; a negative value means
-    // never. Motion of objects may shift the image and the mirror differently. So if anything moves, they are
-    // always drawn separately.
+    // If a mirror image and its mirror differ in their motion by at most follow_px, in px, over the lens, the
+    // mirror image is drawn as if it were painted on the mirror. A negative value means never. This is
+    // necessary if objects move, because motion could separate the two.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
@@ -199,10 +199,9 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // Highlights are normally spread over the image by the lens's blur kernel, and traced rays must leave
-        // out their light. What they must leave out is computed from all surfaces at once, but here the
-        // surfaces do not fit into memory. So if rays are traced, no highlights are separated (`takes` is
-        // null): their light is drawn in the views with all other light.
+        // Highlights are bright light that blur kernels spread, and that traced rays must leave out. To find
+        // this light, all surfaces are needed at once, but here they do not fit into memory. So if rays are
+        // traced, no highlights are selected: `takes` becomes null.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -310,10 +309,9 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets,
     }
     std::optional<FieldStrips> strips;
     if (!p.all) {
-        // The image is drawn in groups of rows, and for each group only the surfaces that its rows can show
-        // are read. The light of a highlight may reach a pixel through any point of the lens, so occluders
-        // are searched from all of these points, not only from those of the views. Therefore, the whole
-        // extent of the lens counts.
+        // The image is drawn in groups of rows, and only the surfaces that may appear in a group are read for
+        // it. Some may hide a highlight from a lens point that no view uses. Therefore, the surfaces are
+        // chosen with the extent of the whole lens.
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
     }

@@ -38,22 +38,21 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< if absent, all views show the frame's own instant
-    /// If all lens points see the same static surface in a pixel, the pixel needs no views, because the
-    /// simpler method `scatter` is exact there. This value is the smallest fraction of all pixels for which
-    /// it is worthwhile to leave such pixels out. They are then marked in FieldFocus::left_out. If it is not
-    /// set, all pixels are drawn.
+    /// Whether to leave out pixels in which all lens points see the same static surface, because the simpler
+    /// method `scatter` is exact there. They are left out, and marked in FieldFocus::left_out, if they are at
+    /// least this fraction of all pixels. If the value is absent, all pixels are drawn.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
     /// If set, only the pixels in this rectangle are drawn, bit-identical to those of the whole image. All
     /// other pixels are undefined.
     std::optional<Crop> crop;
     int piece_px = SeenTile::edge;  ///< PatchField::piece_px
-    /// Memory limit, in bytes, for the recorded surfaces. If they need more memory, the image is drawn in
-    /// groups of rows, one after another, with only the surfaces that each group needs. The result is
-    /// bit-identical.
+    /// Memory limit, in bytes, for the surfaces of the sample file. If they need more memory, the image is
+    /// drawn in groups of rows, one after another. For each group, only the surfaces that it shows are read
+    /// from the file. The image is bit-identical.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
-    /// Ray tracer that replaces what the sample file does not contain: if a lens point sees such a part of
-    /// the scene in a pixel, a ray is traced there. If null, no rays are traced.
+    /// Ray tracer for what the sample file does not contain. Wherever a lens point sees such a part of the
+    /// scene in a pixel, a ray is traced there. If null, no rays are traced.
     const SightRays* rays = nullptr;
 };
 
@@ -64,26 +63,29 @@ struct FieldFocus : PatchPicture {
 };
 
 /// Selects the lens points from which the scene is drawn; the image is the mean of what they see. They are
-/// `count` consecutive points of a scrambled Sobol sequence, beginning with the point number `first`. `set`
-/// is the number of the sequence, and each number gives another scrambling.
+/// `count` consecutive points, from the point number `first` on, of a Sobol sequence that is scrambled at
+/// random. `set` is the number of the scrambling.
 struct FieldViews {
     int count = default_lens_views;
     int set = 0;    ///< sets have independent lens points and thus independent errors (lens_views.h)
     int first = 0;  ///< index of the first view; it is above 0 if a set is continued
-    /// Returns whether to draw this square of the image. Pixels of all other squares are undefined. If no
-    /// function is set, the whole image is drawn.
+    /// Selects the part of the image to be drawn; if this function is empty, the whole image is drawn. It
+    /// returns whether to draw a square of the image, given its upper left pixel and its size, in px. The
+    /// pixels of all other squares are undefined.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
-    // The following three functions are used only if rays are traced. For an image square or pixel, they
-    // select which samples of the views rays replace (`left_to_rays`), in which views rays measure the error
-    // of the recorded light (`checked`), and whether rays measure the error of the highlights (`aimed`).
-    // PatchViews describes them.
+    // The following functions control traced rays. They are called for a pixel (x, y), and described at
+    // PatchViews:
+    // - `left_to_rays` selects the samples of the views that rays compute instead of the recorded surfaces.
+    // - `checked` selects the views in which a ray measures the error of the recorded colour.
+    // - `aimed` selects random pixels in which rays measure the error of the highlights (very bright light).
+    //   It returns the probability of the selection, or 0 for all other pixels.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     std::function<double(int x, int y)> aimed;
-    /// Several images can be drawn together, each from one or more sets of lens points. This is the index of
-    /// the image to which this set belongs. If several sets belong to one image, their functions `wanted`
-    /// must select different squares of it.
+    /// Index of the image to which this set of lens points contributes, because several images can be drawn
+    /// together. If several sets contribute to the same image, each must draw other squares of it. Their
+    /// functions `wanted` select these squares.
     std::size_t picture = 0;
 };
 
@@ -113,14 +115,14 @@ class FieldFocuser {
   private:
     struct Prepared;
     [[nodiscard]] PatchField outline() const;
-    /// Returns an instant during the exposure, in s. It is chosen so that the fraction `u` (0 to 1) of the
-    /// exposure's light has passed the shutter before it. So equally distributed values of `u` give instants
-    /// that are distributed as the shutter weights them.
+    /// Returns an instant during the exposure, in s. Until this instant, the fraction `u` (0 to 1) of the
+    /// exposure's light has passed the shutter. So if the values of `u` are equally distributed, instants at
+    /// which the shutter is open wider are more frequent.
     [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
-    /// Finds the pixels in which all lens points see the same single surface. Their views need not be drawn,
-    /// because the simpler method `scatter` is exact for such pixels. Returns nothing if all pixels must be
-    /// drawn, for example because rays are traced or objects move.
+    /// Finds the pixels in which all lens points see the same single surface, because the simpler method
+    /// `scatter` is exact there. Returns nothing if all pixels must be drawn, for example because rays are
+    /// traced or objects move.
     /// - `strips`: reads the surfaces in groups of rows, if they do not fit into memory
     [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
                                                         FieldStrips* strips) const;

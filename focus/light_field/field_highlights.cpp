@@ -18,35 +18,37 @@
 namespace postlens {
 namespace {
 
-/// Blur radius, in px. A highlight with a smaller blur appears in the same pixel for all lens points. So the
-/// views from all lens points are used together to decide what fraction of its light is visible in this
-/// pixel.
+/// A highlight with a smaller blur radius than this, in px, appears in the same pixel from all lens points.
+/// So the visible fraction of its light in this pixel is the fraction of all views (images from single lens
+/// points) that see it. For larger blur, only the views from a part of the lens count.
 constexpr double seen_by_all_px = 0.5;
 /// Area limits for sharp highlights, whose blur radius is below 2 px. A sharp highlight is spread by its blur
-/// kernel only if it is small: the bright area of its surface, within a square of 16 x 16 px, must be below
-/// the limit, in px^2. The limit is `sharp_px2` if nothing hides the highlight. It is `small_px2` if the
-/// highlight is a mirror image that may be partly hidden.
+/// kernel only if it is small: its surface's bright area, within a square of 16 x 16 px, must be below the
+/// limit, in px^2. The limit is `sharp_px2` if nothing hides the highlight, and `small_px2` for a mirror
+/// image that may be partly hidden.
 constexpr float sharp_px2 = 64, small_px2 = 4;
-/// Highlights of one surface that lie within the same small square are merged into one light source. For
-/// moving highlights, the width of this square depends on the number of instants at which the highlight is
-/// drawn. Each instant needs its own light source, so the squares are wider if there are more instants:
+/// Highlights of one surface in the same small square are merged into one light source. A moving highlight
+/// needs one light source for each instant at which it is drawn. To limit their number, the squares are wider
+/// if there are many instants:
 /// - 1/8 px up to moments_of_eighths instants
 /// - 1/4 px up to moments_of_quarters instants
 /// - 1/2 px above
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
-/// Largest number of light sources that represent moving highlights. A highlight needs one light source for
-/// each instant at which it is drawn. If the total would exceed most_moving, highlights are drawn at fewer
-/// instants, but at no fewer than least_moments.
+/// Largest number of light sources for all moving highlights together. A moving highlight needs one light
+/// source for each instant at which it is drawn. If all of them would exceed most_moving, each highlight is
+/// drawn at fewer instants, but at no fewer than least_moments.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
 /// Radiance of white. If a blur kernel spreads a highlight, it spreads only the part of its radiance above
-/// this value. The part below is reprojected to the lens points like other light.
+/// this value. The part below stays on the surface, and is shown by the images from single lens points, like
+/// all other light.
 constexpr float white = 1;
-/// A static highlight is spread by a blur kernel only if its radiance exceeds white by at least this value in
-/// some colour channel. Dimmer light is reprojected to the lens points like other light, because it causes
-/// little noise.
+/// A static highlight is spread by a blur kernel only if its radiance exceeds white by at least this value,
+/// in some colour channel. Dimmer light is shown by the views (images from single lens points), like all
+/// other light, because it causes little noise.
 constexpr float least_radiance = 1;
-/// Highlights of one surface within a square of this width in the image share one visibility test.
+/// Width, in px, of squares of the image. Highlights of one surface in the same square form a group. Whether
+/// nearer surfaces hide them is tested only once for the group.
 constexpr double group_px = 1.5;
 
 }  // namespace
@@ -61,13 +63,14 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= sharp_below_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // A highlight seen in a mirror may be partly hidden by other objects in the mirror, but this is not
-        // tested. A blur kernel would therefore spread light that is hidden. So if the highlight is sharp,
-        // its blur kernel spreads it only if it is small.
+        // A highlight in a mirror may be partly hidden by other objects in the mirror. This is not tested, so
+        // a blur kernel may spread light that is hidden. Therefore, a sharp highlight is spread only if it
+        // is small.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // An occluder may hide a part of this highlight. If the highlight is larger than its blur, the image
-        // shows which part is hidden, but the test of visibility treats the highlight as a point. So blur
-        // kernels spread only highlights that are smaller than their blur.
+        // A nearer surface may hide a part of this highlight. The test of visibility treats the highlight as
+        // a point, so it cannot find out which part. If the highlight is larger than its blur, the image
+        // would show this error. Therefore, blur kernels spread only highlights that are smaller than their
+        // blur.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -240,8 +243,8 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, const MergedH
     }
 }
 
-// Groups nearby highlights of one surface, so that occlusion by nearer surfaces is computed only once per
-// group.
+// Groups nearby highlights of one surface. For each group, the program computes only once which nearer
+// surfaces hide its highlights.
 void FieldHighlights::group_sources() {
     std::map<std::tuple<bool, std::uint32_t, int, int, bool>, std::uint32_t> known;
     for (Source& s : sources_) {
@@ -280,10 +283,9 @@ void FieldHighlights::group_sources() {
         g.spread_px += s.light / g.light * off * off;
     }
     for (Group& g : groups_) g.spread_px = glm::sqrt(g.spread_px);
-    // Sorts the light sources by group. Sources of one group that begin with the same element of parts_ are
-    // the same highlight at different instants `u`, or at different pixels (x, y). So no two sources are
-    // equal in all these values, and the order that std::sort finds is unique. std::stable_sort is not
-    // needed, and would allocate memory for a copy.
+    // Sorts the light sources by group. Two sources with the same `first_part` come from the same highlight,
+    // but differ in the instant `u` or in the pixel (x, y). So no two sources compare as equal, and std::sort
+    // gives the same order in every run. std::stable_sort is not needed, and would allocate memory.
     std::sort(sources_.begin(), sources_.end(), [](const Source& a, const Source& b) {
         return std::tuple(a.group, a.first_part, a.u, a.y, a.x) <
                std::tuple(b.group, b.first_part, b.u, b.y, b.x);

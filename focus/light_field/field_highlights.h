@@ -1,6 +1,6 @@
-// Blurs highlights (very bright light) with exact blur kernels. Tests, for each part of the lens, whether
-// nearer surfaces hide a highlight from it. All other light is blurred as the mean of images from many lens
-// points.
+// Blurs highlights (very bright light) with exact blur kernels, and tests for each part of the lens whether
+// nearer surfaces hide a highlight from it. All other light is blurred in another way: many sharp images of
+// the scene are drawn, each from another lens point, and averaged.
 #pragma once
 
 #include <algorithm>
@@ -26,12 +26,13 @@ namespace postlens {
 /// FieldHighlights supports neither.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
-/// Highlights that were removed from the recorded surfaces, because blur kernels spread them separately.
+/// Highlights (very bright light) that were removed from the recorded surfaces, because blur kernels spread
+/// them separately.
 ///
 /// A nearer surface may hide a highlight from a part of the lens. For the brightest static highlights that
-/// are seen directly, the nearer surfaces are projected to find out exactly which part. For other highlights,
-/// the views (images drawn from single lens points) show it: a lens point sees the highlight if its view
-/// shows no nearer surface there.
+/// are seen directly, this part is computed exactly, by projecting the nearer surfaces. For all other
+/// highlights, the part follows from the views (images from single lens points): a lens point sees the
+/// highlight if no nearer surface lies there in its view.
 class FieldHighlights {
   public:
     /// Collects the highlights of recorded surfaces, and finds the blur kernel of each.
@@ -42,18 +43,18 @@ class FieldHighlights {
                     const RasterWindow& window, const HighlightMotion* motion = nullptr);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
-    /// Returns an object that adds the blurred highlights to an image. The image is the mean of the views,
-    /// which are images from the lens points `views`. The object keeps a reference to this FieldHighlights
-    /// and to `views`.
-    /// - `set`: index of this set of lens points, used as random seed
-    /// - `instants`: instant of each lens point, as a fraction of the exposure; may be empty if nothing moves
+    /// Returns an object that adds the blurred highlights to an image. This image is the mean of the views,
+    /// the images from the lens points `views`. The object keeps references to `*this` and to `views`.
+    /// - `set`: number of this set of lens points; it varies the pseudo-random numbers
+    /// - `instants`: for each lens point, the instant of its view, as a fraction of the exposure; may be
+    ///   empty if nothing moves
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
     /// Chooses random rays through the pixel (x, y) and the lens to the highlights `sources`, and appends
-    /// them to `lines`. For a sharp moving highlight, rays are also chosen if its path only passes next to
-    /// the pixel, because parts of the highlight that the file lacks may pass through it. Such rays may miss
-    /// the highlight.
+    /// them to `lines`. If a sharp moving highlight passes next to the pixel, rays through the pixel are
+    /// chosen for it, too. The sample file may lack parts of the highlight, and these may pass through the
+    /// pixel. So such rays may miss.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the light sources (merged highlights) whose blur may reach a rectangle of the
@@ -91,10 +92,10 @@ class FieldHighlights {
         glm::dvec2 spread_px{0};                             ///< standard deviation of the sources' positions
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
-    /// Neighbouring highlights whose blur reaches a tile (square of the image). They share tests of whether
-    /// nearer surfaces hide them. `samples` is the number of positions in each pixel at which this is tested.
-    /// If `samples` is 0, no test is made, and the visibility of the highlights is looked up in the tile's
-    /// views instead.
+    /// Neighbouring highlights, `sources`, whose blur reaches a tile (square of the image). Whether nearer
+    /// surfaces hide them is tested for all of them together, at `samples` positions in each pixel. If
+    /// `samples` is 0, this test is not made. Then the images from single lens points, which have already
+    /// been drawn for the tile, show whether the highlights are visible.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;
@@ -132,10 +133,10 @@ class FieldHighlights {
         RasterWindow pixels;
         std::uint32_t source = 0;
     };
-    /// Calls `take` for each light source whose blur may reach the tile that contains the pixel (x, y), until
-    /// one call returns true. Its argument states the pixels that the blur may reach. Light sources with a
-    /// wide blur are listed per row of tiles, so `take` is also called for those that reach only other tiles
-    /// of this row. Returns whether a call returned true.
+    /// Calls `take` for the light sources whose blur may reach the tile (square of the image) that contains
+    /// the pixel (x, y), until a call returns true. Returns whether one did. `take` receives a Reach, which
+    /// states the pixels that the blur may reach. `take` must test these pixels: sources with a wide blur are
+    /// listed for a whole row of tiles, so some of them may not reach this tile.
     template <typename Take>
     bool any_near(int x, int y, const Take& take) const {
         const int row = y / SeenTile::edge, column = x / SeenTile::edge;
@@ -143,7 +144,8 @@ class FieldHighlights {
                std::ranges::any_of(narrow_[static_cast<std::size_t>(row * tile_columns_ + column)], take);
     }
     static constexpr int passing_px = 1;  ///< distance within which a moving source counts as near
-    /// Sources whose blur is wider than this many tiles are listed per row of tiles, to save memory.
+    /// A light source is listed for each tile (square of the image) that its blur may reach. But if the blur
+    /// is wider than this many tiles, it is listed only once for each row of tiles, to save memory.
     static constexpr int widest_tiles = 4;
     int tile_columns_ = 0;
     std::vector<std::vector<Reach>> narrow_;  ///< per tile of the image

@@ -13,15 +13,15 @@
 namespace postlens {
 namespace {
 
-/// Upper bound of the distance that a highlight's blur kernel reaches: kernel_grows times the radius of its
-/// circle of confusion, plus kernel_margin_px, in px. Both are margins, because the sizes of kernels may be
-/// rounded up.
+/// Upper bound of the distance, in px, at which a highlight's blur kernel may still have light. It is
+/// kernel_grows times the radius of the highlight's circle of confusion, plus kernel_margin_px. This is more
+/// than needed, because the sizes of kernels may be rounded up.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// A large image is drawn in groups of rows, to save memory. The surfaces of each group are read from the
-/// rows of the file near the group. But some lens point may see a surface far from the row in which it is
-/// recorded. If this distance exceeds far_px, in px, the surface stays in memory for all groups. Such
-/// surfaces may use up to most_far_bytes.
+/// While a large image is drawn in groups of rows, a surface stays in memory if some lens point sees it
+/// farther than this, in px, from the row in which it is recorded. Other surfaces are read from the file for
+/// each group.
 constexpr double far_px = 64;
+/// Largest memory, in bytes, for the surfaces that stay in memory.
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 
 template <typename T>
@@ -56,7 +56,8 @@ double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& le
     constexpr int edge = SheetMesh::square_px;
     const std::span<const ScanlineFacts> rows = file.scanlines(0);
     const int strips = (static_cast<int>(rows.size()) - 1 + edge - 1) / edge;
-    // Estimates the memory of all surfaces from at most six groups of 16 rows, spread over the file.
+    // The memory that all surfaces of the file need is estimated from a few of its rows: at most six groups
+    // of 16 rows, spread over the file.
     const int probes = std::clamp(strips / 8, 1, 6);
     std::vector<std::uint8_t> probed(static_cast<std::size_t>(strips), 0);
     double records = 1;

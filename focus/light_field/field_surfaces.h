@@ -21,9 +21,10 @@
 
 namespace postlens {
 
-/// The recorded surfaces. `sheets` contains the surfaces of each recorded instant, cut into squares of 16 x
-/// 16 px. `primary` contains, for each instant, the planar parts of the surfaces that are seen directly.
-/// `deeper` contains the planar parts of the surfaces that are seen by reflection or transmission.
+/// The surfaces of a sample file. Each vector has one element for each recorded instant.
+/// - `sheets`: the surfaces, cut into squares of 16 x 16 px
+/// - `primary`: the surfaces that are seen directly, approximated by planes
+/// - `deeper`: the same for surfaces that are seen by reflection or transmission
 struct FieldSurfaces {
     std::vector<std::shared_ptr<const TreeSheets>> sheets;
     std::vector<PatchMesh> primary, deeper;
@@ -35,22 +36,21 @@ struct FieldSurfaces {
 
 using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMesh& deeper)>;
 
-/// Estimates how much memory the surfaces of a file need, from a few of its rows. The result is in bytes per
-/// surface sample (record) of the file.
+/// Estimates, from a few rows of a file, how much memory its surfaces need when they are prepared for
+/// drawing. The result is in bytes per record (surface sample) of the file.
 [[nodiscard]] double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& lens,
                                              const HighlightRule& rule);
 /// Upper bound of the result of surface_bytes_of_record.
 inline constexpr double most_surface_bytes_of_record = 400;
 
 /// Reads from a sample file the surfaces that appear in one group of image rows at a time, to save memory.
-///
-/// Some lens point may see a surface far above or below the row in which it is recorded. The first read keeps
-/// these few surfaces in memory. So later reads need only the rows of the file near the group.
+/// Most of them are recorded in rows near the group. The few that are recorded farther away stay in memory
+/// after the first read.
 class FieldStrips {
   public:
-    /// Keeps references to the arguments.
-    /// - `lens_box_px`: largest shift of a surface's image, in x and in y, from the lens centre to another
-    ///   lens point, in px per 1/m of inverse depth
+    /// The object keeps references to `file`, `rule`, `views` and `motion`.
+    /// - `lens_box_px`: how far a surface's image shifts, in x and in y, if the lens point moves from the
+    ///   lens's centre to its rim; in px, per 1/m of difference in inverse depth from the focus
     /// - `motion`: motion of the highlights; null if nothing moves
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
@@ -58,8 +58,9 @@ class FieldStrips {
     /// Reads from the sample file the surfaces that appear in the rows [y_begin, y_end) of the raster, the
     /// pixel grid of the file. A surface is included if it appears there from any point of the lens.
     [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
-    /// Calls `visit` for all surfaces of a recorded instant. It is called several times, each time with a
-    /// part of the surfaces, in any order. Only one thread at a time calls it.
+    /// Passes all surfaces that the file records at one instant to the function `visit`. To save memory,
+    /// `visit` is called several times, each time with a part of the surfaces, in any order. Only one thread
+    /// at a time calls it.
     void visit(std::size_t instant, const SurfacesVisit& visit);
     /// Divides the image into groups of whole rows of tiles, each with at most `most_records` surface
     /// samples. A single row of tiles may exceed this.
@@ -75,10 +76,10 @@ class FieldStrips {
             last = std::max(last, to);
         }
     };
-    /// Surfaces that stay in memory between reads, because some lens point sees them many rows above or below
-    /// the row in which they are recorded. `primary` contains one range of rows for each surface that is seen
-    /// directly: the rows in which the surface may appear. `deeper` contains the same for each surface that
-    /// is seen by reflection or transmission.
+    /// The surfaces that stay in memory while the image is drawn in groups of rows, because some lens points
+    /// see them far away from the row in which they are recorded.
+    /// - `primary`: for each surface that is seen directly, the rows in which it may appear
+    /// - `deeper`: the same for surfaces that are seen by reflection or transmission
     struct Far {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;

@@ -19,8 +19,9 @@ constexpr int attempts = 256;
 /// the exposure. More rays are needed, because many of them miss the moving highlight.
 constexpr int passing_lines = 16;
 
-/// Sharp moving highlights of one surface that pass near a pixel. Each of the `spans` is an interval during
-/// which a highlight is near the pixel, in fractions of the exposure.
+/// Sharp moving highlights of one surface that pass near a pixel. Rays through the pixel are traced at the
+/// instants at which they pass. Each of the `spans` is an interval, in fractions of the exposure, during
+/// which one of the highlights is near the pixel.
 struct Passing {
     NodeIdentity identity;
     double light = 0;
@@ -138,9 +139,9 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // Chooses highlights with a probability proportional to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // The sample file may lack some parts of a moving highlight, and rays aimed at its recorded parts
-            // would never hit them. Therefore, the ray is not aimed at the highlight, but at a random
-            // position in the pixel and at a random lens point.
+            // Chooses a random ray through the pixel and the lens, at an instant at which a moving highlight
+            // is near. The ray is not aimed at the recorded parts of the highlight, because it would then
+            // never find parts that the sample file lacks.
             chosen -= light;
             std::size_t k = 0;
             for (; k + 1 < passing.size() && chosen >= passing[k].light; ++k) chosen -= passing[k].light;
@@ -159,10 +160,9 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const Source& s = sources_[r.source];
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
-        // A ray from the highlight must pass through both the lens and the pixel. One of the two positions is
-        // chosen at random, and the other follows from it. If the blur is smaller than a pixel, the lens
-        // point is chosen, because most rays through the lens then hit the pixel. Otherwise, the position in
-        // the pixel is chosen, because most rays through the pixel then hit the lens.
+        // A ray from the highlight must pass through both the lens and the pixel. One of these positions is
+        // chosen at random, and determines the other. If the blur is smaller than a pixel, this is the lens
+        // point, because most rays through the lens then hit the pixel.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

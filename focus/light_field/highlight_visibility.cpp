@@ -22,13 +22,13 @@ namespace {
 /// A surface hides a highlight only if it is nearer by at least about 2 %: its inverse depth must exceed the
 /// highlight's inverse depth times this factor.
 constexpr float nearer = 1.02F;
-/// Nearer surfaces may hide highlights, and the time to test this in one tile is limited. The limit is the
-/// time to draw the tile from as many lens points as the image uses, or from least_drawn lens points if the
-/// image uses fewer.
+/// Limits the time to test, in one tile, whether nearer surfaces hide highlights. The tests may take as long
+/// as drawing the tile from as many lens points as the image has, or from least_drawn lens points if these
+/// are more.
 constexpr std::size_t least_drawn = 64;
-/// To test whether a highlight is hidden, nearer surfaces are drawn in a part of the tile. The cost of this
-/// test is estimated as the part's share of the tile's area. Even for a tiny part, finding these surfaces
-/// takes time. So the estimate is never below this fraction of the cost of drawing the whole tile.
+/// Smallest cost of a visibility test, relative to the cost of drawing the whole tile from one lens point. A
+/// test draws the surfaces in front of a highlight in only a part of the tile. Even if this part is tiny, it
+/// takes time to find these surfaces.
 constexpr double least_cost = 0.1;
 /// Positions in a pixel, in px, at which the visibility of highlights is tested. Each row and each column of
 /// a 4 x 4 grid over the pixel contains one position.
@@ -38,10 +38,9 @@ constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm:
 /// These are the points' offsets, in standard deviations of the highlights' positions.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// An occluder in front of several highlights (a group) casts one shadow into the blur of each. The shadows'
-/// positions differ, because the highlights' positions do. If the standard deviation of the shadows'
-/// positions, in px, is at most told_apart_px, all highlights of the group are treated as if they lay at its
-/// centre.
+/// Limit for computing an occluder's shadow only once for a group of highlights. The shadow lies at a
+/// slightly different position in the blur of each highlight. If the standard deviation of these positions is
+/// below this limit, in px, the difference is ignored.
 constexpr double told_apart_px = 0.3;
 
 }  // namespace
@@ -73,16 +72,15 @@ class FieldHighlights::OverViews final : public Lights {
         Nearest nearest;
         std::vector<std::uint32_t> all;
     };
-    /// Divides the lens into a grid of `edge` x `edge` cells, and finds the three lens points that are
-    /// nearest to each cell's centre. "Nearest" considers both the position on the lens and the instant of
-    /// the lens point. The distance of lens point i is its squared distance on the lens, in squared lens
-    /// radii, plus away2(i), which states how far its instant is from the wanted one.
+    /// Divides the lens into a grid of `edge` x `edge` cells, and finds the three lens points nearest to each
+    /// cell's centre. The value away2(i) is added to the squared distance of the lens point i, in squared
+    /// lens radii. It increases with the point's difference in time.
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
-    /// A grid of cells over the lens. For each cell, the table lists the lens points nearest to it. The views
-    /// from these lens points are used to decide whether a highlight's light reaches this cell of the lens.
-    /// The table is made when a tile with highlights first needs it.
+    /// Tables for finding the views (images from single lens points) that tell whether a highlight's light
+    /// passes through a certain part of the lens. The lens is divided into a grid of cells. For each cell, a
+    /// table lists the three nearest lens points, whose views are used.
     struct Tables {
         Asked always;
         std::vector<Asked> timed;  ///< per span of the exposure; empty if no highlight moves
@@ -101,7 +99,9 @@ class FieldHighlights::OverViews final : public Lights {
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
     void ask_views(const Group& g, const TileViews& views, Part& part) const;
-    /// Results of seen_share_beside, per pixel and square of 1/4 px, which neighbouring highlights share.
+    /// A cache of results of seen_share_beside(), the visible fraction of a highlight's light in a pixel. The
+    /// key is a pixel and a square of 1/4 x 1/4 px. All highlights whose centres lie in this square share the
+    /// result.
     using SharesBeside = std::map<std::tuple<std::size_t, int, int>, double>;
     void add(const Source& s, const Part* part, const TileViews& views, SharesBeside& beside,
              std::vector<double>& light) const;
@@ -117,20 +117,21 @@ class FieldHighlights::OverViews final : public Lights {
 
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
-    /// Number of equal intervals into which the exposure is divided, for highlights that move. Each interval
-    /// has its own table, which lists the lens points nearest to each part of the lens.
+    /// Number of equal intervals into which the exposure is divided, for moving highlights. Each interval has
+    /// its own table, which lists for each part of the lens the lens points that are nearest in position and
+    /// time.
     static constexpr int spans = 16;
-    /// Converts a time difference to a distance, because the search for the nearest lens points considers
-    /// both the position on the lens and the instant. A time difference as long as the whole exposure counts
-    /// as much as this distance on the lens, in lens radii.
+    /// Factor that converts a difference in time to a distance on the lens. For each moving highlight, views
+    /// are needed that are near both in their lens point and in their instant. The whole exposure counts as
+    /// much as this distance, in lens radii.
     static constexpr double lens_radii_of_open = 2;
-    /// Special value of Part::share, which is normally the visible fraction of a group of highlights in a
-    /// pixel. It means that some views of a static scene see the group and others do not. The fraction is
-    /// then computed separately for each highlight.
+    /// Special value of Part::share, normally the visible fraction of a group of highlights in a pixel. It
+    /// means that only some views of a static scene see the group there. The highlights of the group may then
+    /// differ, so the fraction is computed for each of them.
     static constexpr float differs = -1;
-    /// The visibility of a sharp highlight is decided by a few views: those whose sample in the pixel lies
-    /// closest to the highlight. Their number is the number of all views divided by beside_of_views, but at
-    /// least least_beside.
+    /// Numbers of views (images from single lens points) that decide how much of a sharp highlight is visible
+    /// in a pixel. These are the views whose sample in the pixel lies closest to the highlight: the fraction
+    /// 1 / beside_of_views of all views, but at least least_beside.
     static constexpr std::size_t beside_of_views = 8, least_beside = 4;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
     const FieldHighlights& of_;
@@ -220,8 +221,8 @@ bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z
     const Texel& t = sheets_.primary.texels[texel];
     const SheetKey& seen = sheets_.primary.sheets[t.sheet()].key;
     if (s.key.path.bits() == 0) return seen.id == s.key.id || inverse_z <= nearer * s.inverse_z;
-    // Approximation: a highlight in a mirror or behind glass counts as visible if the mirror or glass is
-    // visible. Occluders between the mirror (or glass) and the highlight are ignored.
+    // A highlight in a mirror or behind glass counts as visible if the mirror or glass is visible. This is an
+    // approximation, because surfaces between the mirror (or glass) and the highlight may hide it.
     if ((t.children() & child_bit(s.key.path.bounce(0))) == 0) return false;
     return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
 }
@@ -233,7 +234,9 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
             out.emplace_back();
         out.back().sources.push_back(i);
     }
-    // Chooses the brightest groups of highlights for exact visibility tests, within a limited total cost.
+    // Chooses the brightest groups of highlights. For these, nearer surfaces are drawn to find out exactly
+    // whether they hide the highlights. The total cost of these tests in a tile is limited, so all other
+    // groups use the views, which are less exact.
     const auto group = [&](const GroupHere& here) -> const Group& {
         return of_.groups_[of_.sources_[here.sources.front()].group];
     };
@@ -268,9 +271,9 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
     constexpr int next_row = 89;
-    // Shifts the positions in each pixel at which visibility is tested, by `turn` in px. The shift differs
-    // between groups of highlights and between sets of lens points. So their errors are independent, and
-    // average out.
+    // `turn` shifts the positions in each pixel, in px, at which occluders are drawn to test whether they
+    // hide the highlights. Each group of highlights and each set of lens points has another shift, so that
+    // the errors of these tests average out in the image.
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
                             glm::dvec2(set_) * glm::dvec2(0.38196601125010515, 0.6180339887498949);
@@ -418,10 +421,9 @@ double FieldHighlights::OverViews::seen_share(const Source& s, const TileViews& 
     return s.by_all ? share(from.all) : share(from.nearest[cell_of(q, from.edge)]);
 }
 
-/// Returns the fraction of a sharp highlight's light that is visible in one pixel. Each view has one sample
-/// in this pixel, at its own position. A sample that lies far from the highlight may show another object,
-/// which says nothing about the highlight. Therefore, only the views with the closest samples are used, and
-/// the result is the fraction of them that see the highlight.
+/// Returns the fraction of a sharp highlight's light that is visible in one pixel. A view (image from one
+/// lens point) has one sample in this pixel, at its own position. Among the views whose samples lie nearest
+/// to the highlight, the result is the fraction that see it.
 /// - `corner`: upper left corner of the pixel
 double FieldHighlights::OverViews::seen_share_beside(const Source& s, const TileViews& views,
                                                      std::size_t pixel, const glm::dvec2& corner) const {

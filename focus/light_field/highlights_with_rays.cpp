@@ -16,9 +16,12 @@
 namespace postlens {
 namespace {
 
-/// Identifies a surface that a ray hits. It contains the sequence of reflections and transmissions before the
-/// hit, the number of the object that caused the last of them, the number of the object that is hit, and the
-/// column and row of the image square (16 x 16 px).
+/// Identifies the surface that a ray hits, by five values:
+/// - the sequence of reflections and transmissions before the hit
+/// - the number of the mirror or glass object that caused the last of them
+/// - the number of the object that is hit
+/// - column and row of the square of 16 x 16 px in which the surface is seen; 0 after a reflection or
+///   transmission, and if anything moves
 using SurfaceSeen = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, int, int>;
 
 SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at,
@@ -37,15 +40,14 @@ struct BrightLight {
     double blur_px = 0;  ///< largest radius of its circles of confusion
 };
 
-/// The blur of a bright surface covers a larger area than the surface itself. If the surface fills at least
-/// this fraction of the blurred area, blur kernels do not spread its light. They are not needed then, because
-/// the mean of images from many lens points shows such light without visible copies.
+/// Limit for spreading bright light by blur kernels. The mean of images from many lens points would show a
+/// small light as separate copies. But if the light fills at least this fraction of the area over which it is
+/// blurred, the copies overlap and are invisible.
 constexpr double filling = 0.5;
 
-/// Returns whether bright light fills most of the area over which a directly visible surface is blurred. This
-/// area consists of the image square (16 x 16 px) that contains the surface, and of the squares around it.
-/// They reach as far as the blur radius, rounded up to whole squares. The bright areas of the same object in
-/// all these squares are added up.
+/// Returns whether bright light fills most of the area over which a directly visible surface is blurred.
+/// `surface` lies in a square of 16 x 16 px of the image. The blurred area consists of this square and of all
+/// squares within the blur radius around it. The bright areas of the same object in them are added up.
 bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const SurfaceSeen& surface) {
     const auto [path, parent_id, id, x, y] = surface;
     constexpr double most_px = 1e5;  // wider than any image
@@ -60,21 +62,19 @@ bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const Surface
     return area_px2 >= filling * std::pow((2 * reach + 1) * SheetMesh::square_px, 2);
 }
 
-/// Returns whether the sample file contains all parts of a highlight that any lens point sees. Parts that the
-/// pinhole does not see, because a nearer surface hides them, may be missing in the file. So a highlight on a
-/// hidden surface never counts as complete.
+/// Returns whether the sample file is sure to contain all of a highlight that any point of the lens can see.
+/// The file may lack parts of a surface that a nearer one hides from the pinhole, so a highlight on a hidden
+/// surface never counts as complete.
 bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& lens) {
     if (key.hidden) return false;
     if (key.path.bits() == 0) return light.hides != Hides::unknown;
     return light.hides == Hides::nothing && lens.bend_px_m2 * static_cast<double>(light.bend) <= most_bend_px;
 }
 
-/// Returns whether a bright surface is so steep that some lens points see it edge-on or from behind. The
-/// sample file then lacks a part of its light, because samples show the view from the lens centre.
+/// Returns whether a bright surface is so steep that some lens points see it edge-on or from behind. The file
+/// then does not describe its light well, because it was recorded from the lens's centre.
 ///
-/// Traces rays to random points of `lights`, the highlights of the object `id`, and measures the slope of the
-/// surface there. At least half of the points must be too steep, because even a round surface has some steep
-/// points near its outline.
+/// The slope is measured with rays to random points of `lights`, the highlights of the object `id`.
 bool is_seen_from_its_edge(std::span<const Highlight* const> lights, std::uint32_t id, const SightRays& rays,
                            const PatchLens& lens) {
     constexpr std::size_t probes = 64;
@@ -94,6 +94,7 @@ bool is_seen_from_its_edge(std::span<const Highlight* const> lights, std::uint32
         ++met;
         steep += lens.radius_px_m * std::hypot(d.y, d.z) >= 1 ? 1 : 0;
     }
+    // At least half of the points must be steep, because even a round surface has some near its outline.
     return met > 0 && 2 * steep >= met;
 }
 

@@ -1,5 +1,6 @@
-// Chooses the highlights that blur kernels spread in an image that is also corrected by traced rays. The rays
-// must leave out the light of these highlights. Otherwise, it would count twice.
+// Highlights (very bright light) can be added to an image by blur kernels or by traced rays. This file
+// chooses those that blur kernels add, if the image is also corrected by traced rays. The rays must then
+// leave out this light, because it would count twice otherwise.
 #pragma once
 
 #include "reproject/patches/patches.h"

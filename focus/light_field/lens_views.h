@@ -21,15 +21,17 @@ struct LensViewPoint {
     LensShift shift;
 };
 
-/// Returns whether the blur of the impulse response equals the mean of sharp images seen from lens points.
-/// This is not so for diffraction and for real lenses.
+/// Returns whether each lens point sees a sharp image, and the mean of these images has the same blur as the
+/// impulse response. Only then can an image be made from views of single lens points. This is not so for
+/// diffraction and for real lenses.
 [[nodiscard]] bool has_points(const Impulse& impulse);
 /// Throws Error(wrong_arguments) unless has_points is true for the impulse response.
 void check_has_points(const Impulse& impulse);
 
-/// Returns the lens points [first, first + views) of a set. Each lens point has a sample position in the
-/// pixel and an instant of the exposure. They are distributed like the aperture's transmittance, by a
-/// five-dimensional Sobol sequence [joe2008] with Owen scrambling [owen1995].
+/// Returns the lens points [first, first + views) of a set. Each lens point also has a sample position in the
+/// pixel and an instant of the exposure. These five numbers are a point of a Sobol sequence [joe2008] with
+/// Owen scrambling [owen1995]. The lens points are as dense as the aperture's transmittance; the positions
+/// are uniformly distributed, and the instants as the shutter weights them.
 ///
 /// Each set has its own random scrambling. Two sets are therefore independent, and the difference between
 /// their mean images shows the noise. Throws Error(wrong_arguments) if `views` is below 1 or the set would

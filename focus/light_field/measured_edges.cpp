@@ -39,11 +39,12 @@ constexpr std::size_t coarse_rays = 256, ring_rays = 144, rays_per_division = 60
 /// Largest error of a pixel's radiance that the search may cause without a second division.
 constexpr double tolerated_radiance = 0.01;
 /// Limits the time for measuring the edges of highlights with traced rays. If the edges cross too many
-/// pixels, they are not measured at all. Too many means more than the fraction most_measured_share of all
-/// pixels, and also more than least_measured pixels.
+/// pixels, they are not measured at all. The limit is the fraction most_measured_share of all pixels. For
+/// small images, where this would be very few pixels, it is least_measured pixels.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
-/// Highlights that cover more than this area of a pixel, in px^2, count as filling it.
+/// Area, in px^2, from which a highlight counts as filling its pixel, so that the pixel contains no edge to
+/// be measured. It is slightly below 1 because of rounding errors.
 constexpr float filled = 0.9999F;
 
 using Pixel = std::pair<int, int>;  ///< row, column
@@ -84,8 +85,9 @@ struct EdgeArea {
 struct Measured {
     EdgeArea area;
     std::vector<Highlight> lights;
-    /// Whether the highlight touches the borders of the searched rectangle `area`. `low` states this for the
-    /// left border (x) and the upper border (y), `high` for the right border (x) and the lower border (y).
+    /// Whether rays found the highlight at the borders of the searched rectangle `area`, so that it may
+    /// continue beyond them. `low` states this for the left border (x) and the upper border (y), `high` for
+    /// the right border (x) and the lower border (y).
     glm::bvec2 low{false}, high{false};
 };
 
@@ -126,7 +128,9 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
                  .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // The highlight may extend from its sample almost to the next sample, which is `margin` px away.
+            // Enlarges the rectangle around each recorded sample of the highlight by `margin`, in px, because
+            // the highlight may extend almost to the next sample. sqrt(light.area) is the width of the square
+            // that the sample represents.
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));
@@ -480,9 +484,10 @@ Measured BrightSurface::measured(const EdgeArea& area, bool refine, const SightR
     return out;
 }
 
-/// Returns the areas in which to search next. If the rays found a highlight that touches the border of the
-/// searched area, the highlight may continue beyond it. So the result contains an enlarged area in the same
-/// pixel, and the neighbouring pixels if the pixel's own border is touched.
+/// Returns the areas in which to search next for the highlight that `m` describes. Where the rays found light
+/// at the border of the searched area, the highlight may continue beyond it. So the result contains a larger
+/// area in the same pixel. If the searched area ends there at the border of the pixel, the result also
+/// contains the neighbouring pixel.
 std::vector<EdgeArea> continued(const Measured& m) {
     std::vector<EdgeArea> out;
     EdgeArea larger = m.area;

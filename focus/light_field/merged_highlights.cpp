@@ -11,10 +11,11 @@
 namespace postlens {
 namespace {
 
-/// Width, in px, of the largest cells within which highlights of one surface are merged.
+/// To save time, highlights (small bright areas) of one surface are merged into one light source if they lie
+/// in the same square cell. This is the largest width of such cells, in px, except for points (is_point).
 constexpr double largest_cell_px = 0.5;
-/// Width, in px, of the smallest cells in which highlights are merged. Kernel positions are multiples of this
-/// width.
+/// Smallest width, in px, of the cells in which highlights are merged into one light source. The blur
+/// kernel of a light source can only be placed at multiples of this width.
 constexpr double smallest_cell_px = 1.0 / KernelKey::phase_steps;
 /// Width, in px, of the cells in which sharp highlights are merged. A kernel is the mean over all parts of
 /// its source (sharp_kernel), so it does not become less accurate in wide cells. But the visibility of a
@@ -24,11 +25,12 @@ constexpr double sharp_cell_px = 0.25;
 /// radiance. In the darkest part of the range, an sRGB value rises 12.92 times as fast as the radiance.
 constexpr double invisible = 0.5 / 255 / 12.92;
 
-/// Highlights in the same square cell of the raster are merged. Returns the largest cell width, in px,
-/// without visible error.
+/// Returns the width, in px, of the largest cells in which highlights can be merged without visible error.
 ///
-/// Merging changes a pixel's radiance by L a^3 / (8 A), where L is the highlight's radiance, a the cell width
-/// in px, and A the area of blur and pixel together, in px^2.
+/// A cell of width a has the light L a^2, with the highlight's radiance L. Merging moves this light to one
+/// position: half of it to the right, for example, by a / 4 on average. The blur spreads it over A, the area
+/// of blur and pixel together, in px^2. So a pixel's radiance changes by about L a^3 / (8 A), which must not
+/// exceed `invisible`.
 double invisible_cell_px(const Highlight& h, double blur_px) {
     const double radiance = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}) / h.area),
                  area = 1 + std::numbers::pi * blur_px * blur_px,

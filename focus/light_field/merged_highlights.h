@@ -1,4 +1,5 @@
-// Merges the many small squares of light that a bright surface is recorded as into fewer light sources.
+// Merges the highlights of a bright surface into fewer light sources, to save time. The highlights are small
+// squares, one for each sample of the surface in the sample file.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +13,9 @@
 
 namespace postlens {
 
-/// A highlight is sharp if its smallest blur radius is below this, in px. If the blur is larger, images from
-/// single lens points show the highlight at separate positions, and their mean shows separate dots.
+/// A highlight is sharp if its blur radius is below this, in px, in the direction in which it is smallest.
+/// With more blur, the mean of images from many lens points would show the highlight as separate dots, so
+/// such highlights need a blur kernel. A sharp highlight gets one only if it is small.
 constexpr double sharp_below_px = 2;
 
 /// A part of an interval, and its share of the whole.

@@ -14,10 +14,9 @@ constexpr int looks = 64;
 /// A moving highlight is drawn at several instants. Between two of them, it should move by at most step_px
 /// (in px), or by step_of_blur times its CoC radius if that is larger.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// A moving highlight that is drawn at fewer instants than it needs uses one of `turns` sequences of
-/// instants, which are shifted relative to each other. The highlight's position (x, y), in px, chooses the
-/// sequence: the number of the sequence is the fractional part of x turn_x + y turn_y, times `turns`. So
-/// neighbouring highlights use different instants.
+/// A moving highlight that is drawn at few instants uses one of `turns` sequences of instants, which are
+/// shifted relative to each other. For a highlight at the position (x, y), in px, the fractional part of x
+/// turn_x + y turn_y chooses the sequence.
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
 /// Largest coordinate and largest CoC radius, in px, with which a moving highlight is drawn. At an instant at

@@ -18,19 +18,18 @@ namespace postlens {
 
 class HighlightMotion {
   public:
-    /// Limit for drawing moving highlights as streaks along their path. The total area of the highlights on
-    /// one surface, within a square of 16 x 16 px, must be less than this, in px^2. Larger highlights are not
-    /// drawn as streaks, because the light field, the mean of images at many instants, shows them smoothly
-    /// enough.
+    /// Largest area, in px^2, of a moving highlight that is drawn as a streak along its path. The area is
+    /// that of the surface's bright light within a square of 16 x 16 px. Larger highlights are shown by the
+    /// mean of images at many instants, where their copies overlap.
     static constexpr float largest_px2 = 64;
     /// Limit for drawing moving highlights as streaks along their path. A highlight's radiance must exceed
-    /// white, which is 1, by at least this value in some colour channel. Dimmer highlights are not drawn as
-    /// streaks, because the light field, the mean of images at many instants, shows them smoothly enough.
+    /// white, which is 1, by at least this value in some colour channel. For dimmer highlights, the mean of
+    /// images at many instants is smooth enough.
     static constexpr float least_radiance = 3;
 
-    /// Returns the motion of the object `id` on the raster, from the instant that the sample file records to
-    /// another instant of the exposure. `u` is the fraction of the exposure, 0 to 1, that has passed at that
-    /// other instant.
+    /// Returns how the points of the object `id` move in the image, from the instant that the sample file
+    /// records to another instant of the exposure. Until this other instant, the fraction `u` (0 to 1) of the
+    /// exposure has passed.
     using Map = std::function<RasterMap(std::uint32_t id, double u)>;
     /// - `moves`: returns whether an object moves in the image during the exposure
     /// - `map`: returns the motion of an object on the raster
@@ -50,9 +49,9 @@ class HighlightMotion {
         double share = 1;  ///< share of the highlight's energy
     };
     /// Returns at how many instants a moving highlight must be drawn so that it looks like a continuous
-    /// streak. From one instant to the next, its position and blur radius may change by up to half a pixel,
-    /// or by a quarter of the blur radius if that is more. The result is a power of two up to `most_moments`,
-    /// or 1 if the highlight does not move.
+    /// streak. Between two instants, its position and blur radius may change by half a pixel, or by a quarter
+    /// of the blur radius if that is more. The result is a power of two up to `most_moments`, or 1 if the
+    /// highlight does not move.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
     /// Returns the highlight at `count` equally spaced instants of the exposure. If the highlight does not
@@ -64,8 +63,9 @@ class HighlightMotion {
 
   private:
     using Maps = std::vector<RasterMap>;
-    /// Divides the exposure into `count` equal intervals. For each interval, returns the motion of the object
-    /// `id` on the raster, from the recorded instant to the middle of the interval. Thread-safe.
+    /// Divides the exposure into `count` equal intervals. For each interval, returns how the points of the
+    /// object `id` move in the image, from the instant that the sample file records to the middle of the
+    /// interval. Thread-safe.
     [[nodiscard]] std::shared_ptr<const Maps> maps(std::uint32_t id, int count) const;
     [[nodiscard]] bool moved(const Highlight& light, const RasterMap& map, Highlight& out) const;
 

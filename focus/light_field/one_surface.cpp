@@ -6,9 +6,9 @@
 namespace postlens {
 namespace {
 
-/// Limit for the slope of a surface. If the lens point moves from the centre of the lens to the rim, the
-/// image of an inclined surface is stretched or compressed. If this change exceeds the fraction most_stretch,
-/// the surface counts as too steep.
+/// Limit for the slope of a surface. The image of an inclined surface is stretched or compressed if it is
+/// seen from the lens's rim instead of its centre. If its width or height changes by more than the fraction
+/// most_stretch, the surface counts as too steep.
 constexpr double most_stretch = 0.25;
 constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 
@@ -20,8 +20,8 @@ void each_cell(const RasterRect& r, const RasterWindow& window, int columns, int
         return static_cast<int>(
             std::clamp(std::floor((px - begin) / OneSurface::edge), -1.0, static_cast<double>(count)));
     };
-    // The light of the rectangle `r` spreads up to one pixel beyond it, because the pixel filter and the blur
-    // kernels extend that far.
+    // `r` contains all positions at which some lens point sees the surface. Its light may reach one pixel
+    // farther, because the pixel filter and the blur kernels extend that far.
     const int x0 = std::max(0, cell(r.x_min - 1, window.x_begin, columns)),
               x1 = std::min(columns - 1, cell(r.x_max + 1, window.x_begin, columns)),
               y0 = std::max(0, cell(r.y_min - 1, window.y_begin, rows)),
@@ -81,9 +81,9 @@ void OneSurfaceFinder::add(const PatchMesh& primary, const PatchMesh& deeper) {
                 if (owner_[c] != id) owner_[c] = several;
             });
             if (mesh == &deeper) continue;
-            // Counts the recorded pixels of directly visible surfaces in each cell of the image, a square of
-            // 8 x 8 px. If two parts of a surface cover the same pixel, it counts twice. So a cell that shows
-            // only one surface, but whose count exceeds 64, contains a surface that overlaps itself.
+            // Counts, in each cell of the image (8 x 8 px), the recorded pixels of directly visible surfaces.
+            // If two parts of a surface overlap in a pixel, this pixel counts twice. So if the count of a
+            // cell with only one surface exceeds 64, the surface overlaps itself there.
             const glm::dvec2 corner = mesh->corner(p);
             for (int y = 0; y < p.height; ++y) {
                 for (int x = 0; x < p.width; ++x) {

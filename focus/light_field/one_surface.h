@@ -10,8 +10,9 @@
 
 namespace postlens {
 
-/// States for each cell of an image, a square of `edge` x `edge` px, whether all lens points see the same
-/// single surface there. This is not the case if the surface covers a pixel twice, or if it is too steep.
+/// For each cell of an image, a square of `edge` x `edge` px: whether all lens points see the same single
+/// surface there. Surfaces that overlap themselves in the image, or that look different from different lens
+/// points because they are steep, do not count.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;
@@ -29,15 +30,16 @@ struct OneSurface {
 /// planar parts of all recorded surfaces, in one or several calls; then, call `found`.
 class OneSurfaceFinder {
   public:
-    /// If the lens point moves away from the centre, the image of a surface is displaced in proportion to the
-    /// difference between the surface's inverse depth and the inverse focus distance. `lens_px` is the
-    /// largest such displacement, in x and in y, in px per 1/m of this difference.
+    /// `lens_px` describes the lens: how far the image of a surface is displaced, in x and in y, if the lens
+    /// point moves from the lens's centre to its rim. It is in px, per 1/m of difference between the
+    /// surface's inverse depth and `inverse_focus_per_m`.
     /// - `inverse_focus_per_m`: inverse focus distance, in 1/m
     /// - `window`: the pixels of the image
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
-    /// Adds recorded surfaces that the lens may see, as planar parts. `primary` contains the surfaces that
-    /// are seen directly, and `deeper` those that are seen in mirrors or through glass. `deeper` may be
-    /// empty.
+    /// Adds surfaces of the sample file. All surfaces that any lens point may see must be added, because
+    /// found() assumes that there are no others.
+    /// - `primary`: surfaces that are seen directly, divided into planar parts
+    /// - `deeper`: surfaces that are seen in mirrors or through glass; may be empty
     void add(const PatchMesh& primary, const PatchMesh& deeper);
     [[nodiscard]] OneSurface found() const;
 

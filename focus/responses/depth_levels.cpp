@@ -8,9 +8,9 @@
 namespace postlens {
 namespace {
 
-/// Blur kernels are computed for certain depths, the depth levels. If these are equally spaced in depth, the
-/// CoC diameters of neighbouring levels may differ by at most this, in px. The number of levels is chosen
-/// accordingly.
+/// Blur kernels are computed only for certain depths, the depth levels. If the levels are equally spaced in
+/// depth, they must be so close that the CoC diameters of two neighbouring levels differ by at most this, in
+/// px. This determines their number.
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {
@@ -18,14 +18,17 @@ double clamped_radius_px(double diameter_px) {
                       DepthLevels::largest_radius_px);
 }
 
-/// Returns how many depth levels (depths for which blur kernels are computed) are needed if they are equally
-/// spaced in depth. A depth is rounded to the nearest level, which may change the CoC diameter by at most
-/// half of linear_step_px. The diameter changes most at the nearest depth. Therefore, only this depth is
-/// considered.
+/// Returns how many equally spaced depth levels (depths for which blur kernels are computed) are needed.
+/// Rounding a depth to the nearest level may change the CoC diameter by at most half of linear_step_px. Only
+/// the nearest depth is considered, because the diameter changes most there.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // Computes the largest step between depth levels. Rounding a depth to the nearest level changes it by at
-    // most half a step, h. At the nearest depth z, this changes the CoC diameter by coc_gain_px_m (1 / z - 1
-    // / (z + h)), which may be linear_step_px / 2. `room` is the resulting 1 / (z + h).
+    // Computes the step between depth levels. Rounding a depth z changes it by at most half a step, h
+    // (`half_step_m`), which changes the CoC diameter by
+    //
+    //     coc_gain_px_m (1 / z - 1 / (z + h))
+    //
+    // where coc_gain_px_m is a constant of the lens, in px m. The step is chosen so that this equals
+    // linear_step_px / 2 at the nearest depth. `room` is the resulting 1 / (z + h).
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;
     const double half_step_m = 1 / room - nearest_m;
@@ -99,8 +102,9 @@ std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_dept
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
-    // The depth levels cover the depths of all surfaces that are seen directly. A surface that is seen by
-    // reflection or refraction may have a depth outside this range. The function then returns nothing.
+    // The depth `at` may lie outside the range of the depth levels. They cover only the depths of surfaces
+    // that are seen directly, but a reflection or refraction may lie at another depth. For depths outside the
+    // range, this function returns nothing.
     if (finite_levels_ == 1) {
         if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
         return 0;

@@ -47,7 +47,8 @@ class DepthLevels {
     /// disc of this radius adds less than 1e-10 of a sample's light to any pixel.
     static constexpr double largest_radius_px = LevelTable::largest_diameter_px / 2;
 
-    /// Throws Error(wrong_arguments) if `depths` is not in the range from 2 to most_depths.
+    /// Throws Error(wrong_arguments) if `depths`, the number of depths for which kernels are computed, is not
+    /// in the range from 2 to most_depths. If it is absent, the number is chosen automatically.
     DepthLevels(const FocusGeometry& geometry, const DepthRange& range, DepthSpacing spacing,
                 std::optional<int> depths);
 
@@ -57,11 +58,13 @@ class DepthLevels {
         if (around_focus_) return table_->level_of(geometry_.coc_diameter_px(inverse_depth_per_m));
         return level_from_nearest(inverse_depth_per_m);
     }
-    /// Returns whether the depth levels become denser towards the focus (LevelTable), instead of being
-    /// equally spaced.
+    /// Blur kernels are computed for certain depths, the depth levels. Returns true if the levels become
+    /// denser towards the focus distance, as in LevelTable, and false if they are equally spaced in depth or
+    /// inverse depth.
     [[nodiscard]] bool around_focus() const { return around_focus_; }
-    /// Sets level[i] to the depth level nearest to inverse_depth_per_m[i], for all i. Only valid if
-    /// around_focus() is true.
+    /// Sets level[i] to the number of the depth level nearest to inverse_depth_per_m[i], for all i. A depth
+    /// level is a depth for which a blur kernel is computed. Call this only if around_focus() is true, that
+    /// is, if the levels become denser towards the focus.
     void levels_of(std::span<const double> inverse_depth_per_m, std::uint32_t* level) const {
         table_->levels_of(geometry_, inverse_depth_per_m.data(), inverse_depth_per_m.size(), level);
     }

@@ -11,17 +11,17 @@ namespace {
 
 /// Fraction of the energy that a kernel may leave out.
 constexpr double tail = 0.01;
-/// By diffraction, some light lands outside the circle of confusion. The kernel ends where only the fraction
-/// `tail` of its energy is left, but at most this far outside the circle, in px. The kernel may then lose
-/// more than the fraction `tail`.
+/// Largest distance from the circle of confusion, in px, to which the kernel contains diffracted light.
+/// Usually, the kernel ends nearer, where only the fraction `tail` of the energy lies farther out. At this
+/// limit, the kernel may lose more energy than that.
 constexpr double widest_skirt_px = 256;
 /// From this CoC radius on, in px, a uniform disc replaces the diffraction pattern, because its fringes are
 /// then finer than a pixel.
 constexpr double disc_from_px = 2048;
 
-/// Returns the radius of the circle of confusion, in px. `map_px` is the matrix that converts lens points to
-/// px. In a curved mirror or glass, it may describe an ellipse, which is replaced by a disc: the result is
-/// half the absolute value of the matrix's trace.
+/// Returns the radius of the circle of confusion, in px. The matrix `map_px` maps a lens point, in lens
+/// radii, to its displacement in the blur, in px. It may describe an ellipse, but this model supports only
+/// discs, so the mean of its two diagonal elements is used.
 double radius_of(const glm::dmat2& map_px) {
     return std::abs(map_px[0].x + map_px[1].y) / 2;
 }

@@ -9,10 +9,11 @@
 namespace postlens {
 
 /// Creates the model of a round aperture with diffraction, with one kernel per colour channel [potmesil1981].
-/// If `wavelengths_nm` is empty, each channel uses its own band (lens/wave/spectrum.h).
+/// If `wavelengths_nm` is empty, each channel uses its own band (lens/wave/spectrum.h). Throws
+/// Error(wrong_arguments) if a wavelength is out of range.
 ///
-/// A kernel contains 99 % of the energy, but extends at most 256 px beyond the geometric edge. It is
-/// normalised to 1. Throws Error(wrong_arguments) if a wavelength is out of range.
+/// A kernel contains 99 % of the light's energy, but extends at most 256 px beyond the circle of confusion.
+/// Its values are scaled so that their sum is 1.
 [[nodiscard]] std::unique_ptr<ResponseModel> diffraction_model(const std::vector<double>& wavelengths_nm,
                                                                const FocusGeometry& geometry);
 

@@ -18,8 +18,9 @@ namespace {
 /// stored once for all of them. If there are fewer, the value is stored for each pixel, which is as fast.
 constexpr int shortest_inner_px = 6;
 
-/// Size, in px, that replaces the radius 0, because such a disc has no area. The resulting kernel is that of
-/// a point.
+/// Radius, in px, of the disc that replaces a blur ellipse whose sizes are all 0. Such an ellipse would have
+/// no area, so its light could not be distributed over pixels. The disc is so small that its kernel is that
+/// of a point.
 constexpr double smallest_ellipse_px = 1e-4;
 
 std::int32_t steps(double px, double step_px) {
@@ -175,7 +176,9 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
         // No lock is needed, because `number_of_key_` does not change after `build`.
         return number_of_key_.at(key.packed());
     }
-    // No lock is needed if the kernel already has a number, which most kernels have.
+    // Each kernel has a number, its index in this table. Most keys have been requested before, so their
+    // kernels already have numbers. Finding such a number needs no lock. A lock is only needed to give a new
+    // kernel its number.
     const KernelKey::Packed packed = key.packed();
     if (const auto known = number_of_key_.find(packed); known != number_of_key_.end()) return known->second;
     const std::lock_guard lock(mutex_);
@@ -186,7 +189,9 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
 
 Ellipse KernelTable::outline(const KernelKey& key) const {
     if (key.is_disc) return Ellipse::disc(disc_radius_px_[key.level]);
-    // If a size of the ellipse was rounded to 0, uses half a step instead, so that the ellipse has an area.
+    // Converts the integers of the key back to sizes of the ellipse, in px. The integers are the sizes in
+    // units of `step`, to which they were rounded. If a size was rounded to 0, half a unit is used instead,
+    // so that the ellipse has an area.
     const double step = key.step_px();
     const auto size = [step](std::int32_t n) { return n > 0 ? n * step : step / 2; };
     if (key.half_height == 0 && key.half_chord == 0 && key.top_displacement == 0)

@@ -46,7 +46,9 @@ struct Kernel {
     int x_begin = 0, x_end = 0;  ///< columns over all rows
 
     [[nodiscard]] int y_end() const { return y_begin + static_cast<int>(rows.size()); }
-    /// Returns the kernel's value in a column of a row. The column must be in [row.x_begin, row.x_end).
+    /// Returns the value of the kernel in one pixel: in the row `row` of this kernel, and in a column from
+    /// row.x_begin to row.x_end (exclusive). Most pixels inside the kernel have the same value, `inner`. Only
+    /// the others are stored in `taps`.
     [[nodiscard]] double at(const KernelRow& row, int column) const {
         if (column >= row.inner_begin && column < row.inner_end) return static_cast<double>(inner);
         const int tap = column < row.inner_begin ? column - row.x_begin
@@ -55,12 +57,13 @@ struct Kernel {
     }
 };
 
-/// Builds the blur kernel of a uniform ellipse, clipped to `reach`. The ellipse's centre lies (phase_x,
-/// phase_y) px from the kernel's integer position.
+/// Builds the blur kernel of a uniform ellipse. A kernel is added to the image at a whole pixel. The
+/// ellipse's centre lies (phase_x, phase_y) px from there. The kernel is clipped to the rows and columns
+/// `reach` around this pixel, because farther values would lie outside the image.
 [[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
-/// Builds the blur kernel of a uniform shape (`outline`) or of a grid of values (`grid`), clipped to `reach`.
-/// The coordinates of the shape or grid, in px, are relative to the pixel at which the kernel is added to the
-/// image.
+/// Builds the blur kernel of a uniform shape (`outline`) or of a grid of values (`grid`). Their coordinates,
+/// in px, are relative to the pixel at which the kernel is added to the image. The kernel is clipped to the
+/// rows and columns `reach` around this pixel.
 [[nodiscard]] Kernel make_kernel(const OutlineRows& outline, KernelReach reach);
 [[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
@@ -73,9 +76,9 @@ struct KernelKey {
     static constexpr int phase_steps = 16;
     /// Sizes of blur ellipses are rounded to multiples of this, in px, so that samples share kernels.
     static constexpr double ellipse_step_px = 0.25;
-    /// Blur radii, in px, below which the size of a blur ellipse is rounded more finely. The size is rounded
-    /// to a multiple of ellipse_step_px / 4^k. Normally, k is 0. For highlights, k is the largest index of
-    /// this array whose element exceeds the blur radius.
+    /// Limits of the blur radius, in px, below which the size of a highlight's blur ellipse is rounded more
+    /// finely. The size is rounded to a multiple of ellipse_step_px / 4^k, where k is the index of the
+    /// smallest limit above the radius. For other surfaces, k is 0.
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Largest size of a blur ellipse, in px. Larger ones are scaled down.
     static constexpr double largest_ellipse_px = 16000;
@@ -86,9 +89,9 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, in units of 1/phase_steps px
 
-    /// True if the aperture is not round. Its blur is then described by a 2x2 matrix that converts lens
-    /// points to px. The fields half_height, half_chord, top_displacement and map_yy then hold the four
-    /// entries of this matrix.
+    /// True if the aperture is not round. The blur is then not an ellipse, but described by a 2x2 matrix that
+    /// converts lens points to px. Its four entries are stored, column by column, in half_height, half_chord,
+    /// top_displacement and map_yy.
     bool is_map = false;
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
@@ -96,23 +99,25 @@ struct KernelKey {
     std::int32_t cell_log2 = 0;  ///< the cell is 2^cell_log2 px wide; if 0, one cell is the whole image
 
     [[nodiscard]] static KernelKey disc(std::uint32_t level) { return {.level = level}; }
-    /// Returns the key that identifies the blur kernel of an ellipse. The size of the ellipse is rounded, so
-    /// that similar ellipses share a kernel. If `fine` is true, it is rounded as finely as fineness_below_px
-    /// allows for its size. Otherwise, it is rounded to multiples of ellipse_step_px.
+    /// Returns the key that identifies the blur kernel of an ellipse. The size of the ellipse is rounded to
+    /// multiples of ellipse_step_px, so that similar ellipses share a kernel. If `fine` is true, smaller
+    /// ellipses are rounded in finer steps, which depend on the size (see fineness_below_px).
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// The blur of an aperture that is not round is described by a 2x2 matrix. Its entries are rounded so
-    /// that the largest keeps this many bits. Thus, more samples share a kernel.
+    /// Number of bits to which a blur matrix is rounded, so that more samples share a kernel. All four
+    /// entries of the matrix, which converts lens points to px, are rounded to the same step. It is chosen so
+    /// that the largest entry has this many bits.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
-    /// Rounds this key more coarsely by a factor of 2^times, so that more samples share one blur kernel. This
-    /// concerns the sizes and subpixel position of the blur ellipse, or the entries of the blur matrix and
-    /// the width of the cell if the aperture is not round.
+    /// Rounds the values of this key more coarsely, by a factor of 2^times, so that more samples share one
+    /// blur kernel. These values are the size and subpixel position of a blur ellipse, or, if the aperture is
+    /// not round, the entries of the blur matrix and the width of the key's image square.
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// A blur is described by the sizes of an ellipse or by the entries of a matrix. These are integers in
-    /// units of step_px(). Returns how many bits the largest of them has, without its sign.
+    /// Returns the size of the blur in bits. This key describes a blur by the sizes of an ellipse or by the
+    /// entries of a matrix, which are integers. The result is the number of bits of the largest of these
+    /// integers, without its sign.
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
@@ -142,18 +147,20 @@ struct Reach {
 /// the numbers, but not the kernels.
 class KernelTable {
   public:
-    /// Creates a table without kernels.
-    /// - `disc_radius_px`: CoC radius of each depth level, in px; a depth level is a depth for which a blur
-    ///   kernel can be requested, and kernel number i is the disc of level i
-    /// - `reach`: rows and columns to which kernels are clipped
+    /// Creates a table that contains no kernels yet. A depth level is one of the depths for which a blur
+    /// kernel can be requested.
+    /// - `disc_radius_px`: CoC radius, in px, of each depth level; kernel number i is the disc of level i
+    /// - `reach`: limits of the kernels; values in farther columns and rows are left out
     /// - `model`: computes the kernels; must outlive this object
     KernelTable(std::vector<double> disc_radius_px, KernelReach reach, const ResponseModel& model);
 
-    /// Returns the number that identifies the blur kernel with this key. Before `build`, this requests the
-    /// kernel. After `build`, only keys that were requested before are allowed.
+    /// Returns the number that identifies the blur kernel with the given key. If `build` has not been called
+    /// yet, this also requests the kernel, so that `build` will compute it. After `build`, only keys that
+    /// were requested before are allowed.
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
-    /// Requests the blur kernel of a depth level, so that `build` computes it. The kernel is a disc, whose
-    /// centre is an integer raster position.
+    /// Requests the blur kernel of a depth level (one of the depths for which this table can contain a
+    /// kernel), so that `build` computes it. The kernel is a disc. It belongs to samples at pixel corners, so
+    /// its centre has integer coordinates.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
     /// Builds all requested blur kernels, in parallel. Call it once. If the kernels would need more memory
     /// than `memory_limit_bytes`, their sizes are rounded more coarsely, so that more samples share a kernel.
@@ -172,11 +179,13 @@ class KernelTable {
     [[nodiscard]] std::size_t channels() const { return channels_; }
     [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
-    /// Returns the range of pixels that a blur kernel covers, over all colour channels. Call it after
+    /// Returns the range of pixels that a blur kernel covers, over all its colour channels. `number`
+    /// identifies the kernel, as returned by number_of. Call this function after the kernels were computed by
     /// `build`.
     [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
-    /// Returns how many numbers of blur kernels there are. Each depth level has a number, even if no sample
-    /// uses its kernel, which then does not exist.
+    /// Returns one more than the largest number that identifies a blur kernel. This includes the numbers of
+    /// all depth levels (depths for which discs are available). The kernel of such a level does not exist if
+    /// no sample uses it. Returns 0 if no kernels have been computed.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns how many depth levels have a blur kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }
@@ -200,8 +209,9 @@ class KernelTable {
     const ResponseModel& model_;
     std::unique_ptr<std::atomic<bool>[]> disc_used_;
     std::mutex mutex_;
-    /// Improves PackedHash for the hash map, which uses only the lowest bits of a hash. In PackedHash, these
-    /// bits depend only on the kernel's subpixel position, so the upper bits are mixed in.
+    /// Hash of kernel keys for the hash map, which uses only the lowest bits of a hash. In
+    /// KernelKey::PackedHash, these bits depend only on a part of the key, the kernel's subpixel position.
+    /// Therefore, its upper bits are mixed into the lowest bits.
     struct MixedHash {
         std::size_t operator()(const KernelKey::Packed& key) const noexcept {
             const std::size_t hash = KernelKey::PackedHash()(key);
@@ -218,8 +228,9 @@ class KernelTable {
     int discs_used_ = 0;
 };
 
-/// Finds the numbers of blur kernels. All threads share one KernelTable, and searching it is slow. Therefore,
-/// each thread has its own KernelNumberCache, which remembers numbers that were found before.
+/// Finds the number under which a KernelTable stores a blur kernel. All threads share one table, and a search
+/// in it is slow. Therefore, each thread has its own KernelNumberCache, which remembers the numbers that it
+/// has already found.
 class KernelNumberCache {
   public:
     explicit KernelNumberCache(KernelTable& table) : table_(&table), entries_(std::size_t{1} << entry_bits) {}

@@ -23,8 +23,9 @@ std::int32_t nearest_multiple(std::int32_t n, std::int32_t unit) {
 }  // namespace
 
 void KernelKey::round_to(std::int32_t unit) {
-    // Largest value of each of these numbers. KernelKey::packed stores each in 17 bits, including the sign. A
-    // larger number would overflow, and different kernels could then get the same key.
+    // Largest absolute value of the four integers below, which describe the blur of a kernel.
+    // KernelKey::packed stores each of them in 17 bits, including the sign. A larger integer would overflow,
+    // and different kernels could then get the same key.
     constexpr std::int32_t most = (1 << 16) - 1;
     for (std::int32_t* n : {&half_height, &half_chord, &top_displacement, &map_yy})
         *n = std::clamp(nearest_multiple(*n, unit), -most, most);
@@ -59,9 +60,9 @@ void KernelKey::coarsen(int times) {
     phase_y = nearest_multiple(phase_y, step);
 }
 
-// If blur kernels need too much memory, rounds the sizes and positions of blur ellipses more coarsely, so
-// that more samples share a kernel. Small ellipses are rounded in smaller steps, because a large step would
-// round their sizes to 0.
+// Saves memory if the blur kernels would need more than `memory_limit_bytes`. Each kernel is identified by a
+// key, the rounded size and position of a blur ellipse. This function rounds the keys more coarsely, so that
+// more samples share a kernel.
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     constexpr std::size_t steps = KernelKey::most_coarsenings + 1;
     struct Octave {
@@ -81,9 +82,9 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // When the keys of kernels are rounded more coarsely, several may become equal, and only the first is
-        // kept. Therefore, the keys are sorted first, so that the timing of threads does not affect which key
-        // is kept.
+        // Keys that become equal by rounding share one kernel, that of the first key. Their order depends on
+        // the timing of the threads that added them. Therefore, the keys are sorted, so that the first key is
+        // always the same.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)

@@ -13,16 +13,17 @@ constexpr double even_px = LevelTable::even_diameter_px;
 /// diameters, from small_px to even_px. A diameter between two steps is rounded to the nearer one, which
 /// changes it by less than a quarter pixel.
 constexpr double step_diameter_px = 0.49;
-/// Steps between the CoC diameters for which blur kernels are computed, for diameters up to small_px. The
-/// step is the fraction small_step_share of the diameter, but at least small_step_px, in px. Larger steps
-/// would visibly change the brightness of small highlights.
+/// Two limits of the steps between the CoC diameters for which blur kernels are computed. They apply to
+/// diameters up to small_px. There, each step is 2 % of the diameter (small_step_share), but at least 0.125
+/// px (small_step_px). Larger steps would visibly change the brightness of small highlights.
 constexpr double small_step_px = 0.125, small_step_share = 0.02;
 constexpr double smallest_px = small_step_px / small_step_share,
                  small_px = step_diameter_px / small_step_share;
 /// CoC diameters below this, in px, are not blurred, because such a small blur would be hardly visible.
 constexpr double sharp_below_px = 0.4;
-/// For CoC diameters above even_px, blur kernels are computed for this many diameters per factor e (Euler's
-/// number).
+/// Number of CoC diameters between d and e d, where e is Euler's number, for which blur kernels are computed.
+/// This applies to diameters above even_px, which are therefore spaced logarithmically: each is 0.2 % larger
+/// than the last.
 constexpr double levels_per_e = 500;
 const double smallest_levels = smallest_px / small_step_px,
              small_levels = smallest_levels + std::log(small_px / smallest_px) / small_step_share,
@@ -46,8 +47,9 @@ double diameter_after(double steps) {
     return even_px * std::exp((steps - even_levels) / levels_per_e);
 }
 
-/// Number of depths that are converted to depth levels at once. First, the table indices of all these depths
-/// are computed with SIMD. Then, the table is read for each of them.
+/// Number of depths that are converted at once to depth levels (numbers of blur kernels). First, the CoC
+/// diameters of all these depths are computed with SIMD. Then, the level is looked up for each diameter, in a
+/// table.
 constexpr std::size_t together = 128;
 
 POSTLENS_MULTIVERSION

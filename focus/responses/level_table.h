@@ -22,11 +22,13 @@ class LevelTable {
 
     /// Returns the CoC diameter of a depth level, in px.
     [[nodiscard]] static double diameter_px(std::uint32_t level);
-    /// Computes the depth level (number of a blur kernel) nearest to a CoC diameter, without the lookup
-    /// table. `diameter_px` must be finite; its sign is ignored.
+    /// Returns the depth level (number of a blur kernel) whose CoC diameter is nearest to `diameter_px`. The
+    /// sign of `diameter_px` is ignored, and it must be finite. Unlike level_of, this function computes the
+    /// level without a table.
     [[nodiscard]] static std::uint32_t nearest_level(double diameter_px);
-    /// Returns the depth level whose CoC diameter is nearest to `diameter_px`. The sign of `diameter_px` is
-    /// ignored. Below end_px, the level is read from a table, because this is faster.
+    /// Returns the depth level (number of a blur kernel) whose CoC diameter is nearest to `diameter_px`. The
+    /// sign of `diameter_px` is ignored. For diameters below end_px, the level is read from a table, which is
+    /// faster than computing it.
     [[nodiscard]] std::uint32_t level_of(double diameter_px) const {
         const double wide_px = std::abs(diameter_px);
         if (!(wide_px < end_px)) return nearest_level(wide_px);
@@ -41,10 +43,11 @@ class LevelTable {
         return static_cast<std::uint32_t>(before_[cell] + (wide_px < begin_px_[cell] ? 0 : step_[cell]));
     }
 
-    /// A table contains the depth level (number of a blur kernel) that is nearest to a CoC diameter. It
-    /// covers diameters up to end_px, in px, and has cells_per_px cells per px. Within each cell, the level
-    /// changes at most once.
+    /// A table of the depth level (number of a blur kernel) that is nearest to each CoC diameter, from 0 to
+    /// end_px, in px. It divides each px into cells_per_px cells. The level changes at most once in a cell.
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;
+    /// For each cell: the diameter, in px, at which the level changes, the level at the cell's start, and the
+    /// change of the level.
     std::array<double, cells> begin_px_{};
     std::array<std::int32_t, cells> before_{}, step_{};
 };

@@ -6,9 +6,9 @@
 namespace postlens {
 namespace {
 
-/// From this blur radius on, in px, the centre of a blur kernel is rounded to quarter pixels instead of finer
-/// steps (see phases_of). Smaller kernels are rounded in the same way if they take long to compute. For this,
-/// phases_of is called with this radius instead of their own.
+/// Blur radius, in px, from which the subpixel position of a blur kernel is rounded to quarter pixels (see
+/// phases_of). Smaller kernels that take long to compute are treated as if they had this radius, so that
+/// fewer kernels are needed.
 constexpr double few_phases_from_px = 17;
 /// Ellipses that differ from a circle by less than this, in px, are treated as circles.
 constexpr double round_within_px = 0.05;
@@ -43,9 +43,9 @@ void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // Computes the inverse depth of a point whose mean blur equals that of the matrix `map_px`. With
-    // vignetting, the transmittance of the lens depends on the depth. It is later computed for this depth, so
-    // that it matches the blur kernel.
+    // Computes the inverse depth for which the transmittance of the lens is computed. It is that of a point
+    // with this blur: its signed blur radius is the mean of the two diagonal entries of `map_px`, which
+    // converts lens points to px.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);
@@ -62,10 +62,10 @@ NodeResponse NodeResponses::to_w(const Mat2& w, const glm::dvec2& place_px) cons
         return to_depth((xx + yy) / 2, place_px);
     }
     // Computes the matrix that converts a lens point, in lens radii, to the displacement of the surface
-    // point's image, in px. It is scale (s - W), where s is the inverse focus distance times the unit matrix.
-    // W, with the entries xx, xy, yx and yy, states how the image moves with the lens point. glm matrices are
-    // column-major, so yx comes before xy.
+    // point's image, in px. The 2x2 matrix W, with the entries xx, xy, yx and yy, describes this displacement
+    // for an unfocused lens. Focusing at the inverse distance s turns it into s - W.
     const double s = geometry_.inverse_focus_per_m;
+    // The constructor takes the columns of the matrix, so yx comes before xy.
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     NodeResponse out;
     if (!response_->is_round()) {

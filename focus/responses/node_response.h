@@ -39,16 +39,17 @@ struct RasterWindow {
             static_cast<double>(y) - (window.y_begin + window.y_end) / 2.0};
 }
 
-/// Describes the blur kernel of a surface point: its size, and the key that identifies it in the table of
-/// kernels. The key's subpixel position is not set yet. It is added later, because a sample may be added at
+/// Describes the blur kernel of a surface point by its size, and by the key that identifies it in the table
+/// of kernels. The subpixel position in the key is set later, because one sample may be added to the image at
 /// several positions.
 struct NodeResponse {
     KernelKey key;
     double radius_px = 0;        ///< half the longer side of the kernel's bounding box
     double exact_radius_px = 0;  ///< CoC radius, not quantised
     double farthest_px = 0;      ///< largest distance that light reaches; only set by to_depth
-    /// Inverse depth, in 1/m, for which the transmittance of the lens is computed. It is only set if blur
-    /// kernels vary over the image. Otherwise, the transmittance is 1, and the depth is not needed.
+    /// Inverse depth, in 1/m, for which the transmittance of the lens is computed. The transmittance depends
+    /// on the depth only if there is vignetting, which also makes blur kernels vary over the image. If they
+    /// do not vary, the transmittance is 1, and this number is not set.
     double inverse_depth_per_m = 0;
 };
 
@@ -61,9 +62,9 @@ class NodeResponses {
         : geometry_(geometry), levels_(std::move(levels)), model_(model), response_(std::move(response)) {}
 
     [[nodiscard]] NodeResponse to_depth(double inverse_depth_per_m, const glm::dvec2& place_px) const;
-    /// Returns the blur kernel for `node`, a surface point that is seen by reflection or refraction. Its size
-    /// depends on the depth model (DepthModel). It follows from the depth of the directly visible surface
-    /// (`primary`), from the path length to the node, or from the node's matrix W.
+    /// Returns the blur kernel of `node`, a surface point that is seen by reflection or refraction. The depth
+    /// model (DepthModel) decides what determines the kernel's size: `primary`, the kernel of the directly
+    /// visible surface, the length of the path to the node, or the node's matrix W.
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
     /// Returns the fraction of a sample's light that the lens transmits: 1 without vignetting.
@@ -75,8 +76,8 @@ class NodeResponses {
                                        geometry().inverse_focus_per_m);
     }
     /// Returns the subpixel positions at which a sample's blur kernel is added to the image, with a weight
-    /// for each. There may be several positions. For example, a sample on the border between quadtree cells
-    /// represents a part of each of these cells, and may have one position in each of them.
+    /// for each. A sample may have several positions, because it lies at the corner of up to four quadtree
+    /// cells and represents a part of each.
     [[nodiscard]] Phases phases(const PointSample& sample, const NodeResponse& response) const;
 
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }
@@ -93,8 +94,9 @@ class NodeResponses {
     std::shared_ptr<const ResponseModel> response_;
 };
 
-/// Returns the inverse depth 1/z' of a surface point, in 1/m, where 0 means infinitely far. Depths below
-/// 1e-37 m are clamped.
+/// Returns the inverse depth, 1/z', of a recorded surface point, in 1/m. 0 means infinitely far. z' is the
+/// path length along the optical axis, `node.z`, in m. Depths below 1e-37 m are clamped, to avoid an
+/// overflow.
 [[nodiscard]] inline double inverse_depth_per_m(const Record& node) {
     return 1 / std::max(static_cast<double>(node.z), 1e-37);
 }

@@ -9,8 +9,9 @@
 namespace postlens {
 namespace {
 
-/// A sample stands for a quarter of each of the four quadtree cells around it. If its CoC radius is at least
-/// this, in px, the four quarters share one blur disc.
+/// Smallest CoC radius, in px, at which a sample is blurred as a whole. A sample represents a quarter of each
+/// of the four quadtree cells around it. If the radius is smaller, each quarter may have its own blur disc,
+/// because their different positions are then visible.
 constexpr double one_disc_from_px = 2;
 
 /// Returns the number of subpixel positions, along each axis, for which kernels of this radius are computed.
@@ -78,10 +79,9 @@ Phases phases_of(const PointSample& s, double radius_px) {
     }
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
-        // The sample lies on the border between quadtree cells, and represents the adjacent quarter of each
-        // cell. Its light from quarter q, with the weight w[q], is added at the quarter's centre. If the
-        // sample lies on a pixel border in x (fx is 0), the centre is a fourth of the cell's width away in x;
-        // likewise in y. `move` is this distance, in steps of 1/16 px.
+        // The sample is a corner of up to four quadtree cells (q = 0 to 3), and represents a quarter of each.
+        // If it lies on a pixel border in x (fx is 0), the quarter's light is added at the quarter's centre,
+        // at the distance `move` in units of 1/16 px. Otherwise, it is added at the sample's own x.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

@@ -10,7 +10,8 @@
 namespace postlens {
 
 /// A subpixel position at which a sample's blur kernel is added to the image, and the weight with which it is
-/// added. x and y are distances from the pixel's upper left corner, in units of 1/KernelKey::phase_steps px.
+/// added. x and y are the distances of the kernel's centre from the upper left corner of a pixel. Their unit
+/// is 1/16 px (1 / KernelKey::phase_steps).
 struct Phase {
     std::int32_t x, y;
     float weight;

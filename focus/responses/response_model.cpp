@@ -28,9 +28,9 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
         if (!varies_over_field()) return 0;
         const double radius_px = reach_px(map_px);
-        // Vignetting cuts an edge into the blur of a point. If the point's image moves by 1 px, this edge
-        // moves by `moves` px within the blur. So the squares in which samples share one kernel must be
-        // narrow enough that the edge moves by at most within_px.
+        // Computes the width of the squares of the image in which samples share one blur kernel. Vignetting
+        // cuts off a part of the blur. If the position in the image changes by 1 px, the edge of this cut
+        // moves by `moves` px within the kernel. It may move by within_px in a square.
         const double moves = aperture_.cats_eye() * radius_px / half_diagonal_px_;
         constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
         return std::clamp(within_px / std::max(moves, 1e-9), narrowest_px, widest_px);
@@ -52,9 +52,9 @@ class ApertureModel final : public ResponseModel {
         const double size_px = largest_reach_px(aperture_, at);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
-        // All samples in a square of the image share the kernel that is computed at the square's centre.
-        // Vignetting may block all light at the centre, but not at the samples. In this case, the kernel is
-        // computed for the image's centre (`field` is 0), that is, as if there were no vignetting.
+        // All samples in a square of the image share one blur kernel, computed for the square's centre, which
+        // `at` describes. If vignetting blocks all light there, the kernel of the image's centre (`whole`),
+        // where there is no vignetting, is used instead.
         ApertureImage whole = at;
         whole.field = {0, 0};
         if (postlens::is_even(aperture_, at)) {
@@ -74,10 +74,9 @@ class ApertureModel final : public ResponseModel {
             .map_px = r.map_px,
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
-            // Computes the depth of the scene point from its blur, because the vignetting rim's size depends
-            // on it. The matrix r.map_px converts lens points to px. Its mean diagonal entry is the signed
-            // blur radius map_px_m_ (1 / s - 1 / z), where s is the focus distance and z the depth. The
-            // inverse depth 1 / z follows from it.
+            // Computes the apparent size of the rim that causes vignetting. It depends on the scene point's
+            // depth z, which follows from the point's signed blur radius map_px_m_ (1 / s - 1 / z), where s
+            // is the focus distance. This radius is the mean of the two diagonal entries of r.map_px.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }

@@ -24,8 +24,9 @@ struct ResponseRequest {
     KernelReach reach;
 };
 
-/// Model of the blur of one lens setting. The base class describes a round aperture, whose kernels are discs
-/// and ellipses. This is the fastest model.
+/// Computes the blur kernels of a lens with given settings, for example a given f-number and focus distance.
+/// This base class describes a lens with a round aperture, whose kernels are discs and ellipses. It is the
+/// fastest model. Derived classes describe other lenses.
 class ResponseModel {
   public:
     ResponseModel() = default;
@@ -43,9 +44,9 @@ class ResponseModel {
     [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
     /// Returns whether the blur depends on the position in the image.
     [[nodiscard]] virtual bool varies_over_field() const { return false; }
-    /// If the blur varies over the image, the image is divided into squares, and in each of them all samples
-    /// at one depth share one blur kernel. Returns the width of these squares, in px, or 0 if one kernel
-    /// serves the whole image. `map_px` converts lens points to px.
+    /// Returns the width, in px, of the squares of the image in which samples with the same blur share one
+    /// kernel. If one kernel serves the whole image, the result is 0. The matrix `map_px`, which converts
+    /// lens points to px, gives the size of the blur.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Returns the transmittance of the lens for a scene point at `place_px` from the image's centre, from 0
     /// to 1.
@@ -71,8 +72,9 @@ class ResponseModel {
     /// Returns whether red, green and blue have different blur kernels. If so, `channel_kernels` is called
     /// instead of `kernel`.
     [[nodiscard]] virtual bool has_channels() const { return false; }
-    /// Returns whether this model supports astigmatic blur, which curved mirrors and glass can cause. If not,
-    /// surfaces seen in mirrors or through glass are blurred by the mean radius of their circle of confusion.
+    /// Returns whether this model can compute astigmatic blur kernels, which differ in width along two
+    /// directions. Curved mirrors and glass can cause such blur. If the model cannot, surfaces seen in
+    /// mirrors or through glass are blurred by the mean radius of their circle of confusion.
     [[nodiscard]] virtual bool takes_maps() const { return true; }
     /// Computes three blur kernels for each request: one for red, one for green and one for blue. Works in
     /// parallel. All requests must have the same subpixel position `phase_px`, because their kernels are

@@ -15,9 +15,9 @@ struct BorderRadii {
     std::vector<float> left, right;  ///< per row, from y_begin on
 
     explicit BorderRadii(const RasterWindow& source);
-    /// If the sample lies on the border of the traced area, stores its blur radius `radius_px` for its
-    /// position on the border, unless a larger radius is stored there already. Thread-safe for different
-    /// rows.
+    /// If a sample in row y lies on the border of the traced area, `source`, stores its blur radius for its
+    /// column or row of this border. If a larger radius is already stored there, it is kept. Thread-safe for
+    /// different rows.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
     /// Stores the blur radius of a pixel, `radius_px`, for each corner of the pixel (x, y) that lies on the
     /// border of the traced area. A larger radius that is stored there already is kept.

@@ -23,15 +23,17 @@ namespace postlens {
     return node.r == 0 && node.g == 0 && node.b == 0;
 }
 
-/// A sample is plain if it shows no reflections and lies at the corner of four pixels that the quadtree does
-/// not divide. Plain samples are stored compactly: one element per pixel corner, row by row.
+/// The plain samples of some rows, stored compactly. A sample is plain if it shows no reflections and lies at
+/// the common corner of four pixels, none of which the quadtree divides into smaller cells. The arrays have
+/// one element per pixel corner, row by row.
 struct PlainCorners {
-    /// Inverse depth of the sample at each pixel corner, in 1/m. It is `not_plain` if the sample is not
-    /// plain.
+    /// Inverse depth, in 1/m, of the sample at each pixel corner. If the sample shows reflections, or one of
+    /// its four pixels is divided by the quadtree, the sample is not plain, and the value is `not_plain`.
     std::vector<double> inverse_depth;
     std::vector<float> r, g, b;  ///< as inverse_depth; 0 for other corners
-    /// Indices into PointSamples::samples of the samples that are not plain. The indices are sorted by row.
-    /// Those of row i begin at others[other_begin[i]].
+    /// The samples that are not plain, because they show reflections or touch a pixel that the quadtree
+    /// divides. They are given by their indices in PointSamples::samples, row by row. Those of row i begin at
+    /// others[other_begin[i]].
     std::vector<std::uint32_t> others, other_begin;
     /// Summary of the samples that are stored for a row.
     struct Row {
@@ -43,8 +45,9 @@ struct PlainCorners {
     static constexpr double not_plain = -1;
 };
 
-/// Finds the plain samples. `band` contains the records of `samples`. The result is stored in `out`, whose
-/// memory is reused.
+/// Finds the plain samples among `samples`, and stores them in `out`, whose memory is reused. A sample is
+/// plain if it shows no reflections and lies at the common corner of four undivided pixels. `band` contains
+/// the records (surface points) of all samples.
 void find_plain_corners(const RecordBand& band, const PointSamples& samples, PlainCorners& out);
 
 }  // namespace postlens

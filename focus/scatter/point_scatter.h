@@ -1,5 +1,6 @@
-// Blurs samples one by one and adds them to the image. The time per sample is proportional to the length of
-// its blur kernel's outline.
+// Blurs samples (points of the recorded scene) one by one, and adds them to the image. Most blur kernels are
+// uniform inside, and only the changes at their outline are processed. So the time per sample is proportional
+// to the length of this outline.
 #pragma once
 
 #include <cstddef>
@@ -13,12 +14,14 @@ namespace postlens {
 /// Adds blurred samples to a few rows of pixels. Each pixel has four sums over the samples. Channels 0 to 2
 /// are colour times the value of the blur kernel. Channel 3 is weight times this value.
 ///
-/// A wide kernel has the same value in most pixels of a row. Only the changes at the two ends of this
-/// interior are stored, and then summed along the row. The sums use double. With float, every bright sample
-/// would leave a rounding error to its right.
+/// A wide kernel has the same value in most pixels of a row, its interior. So only two changes are stored: at
+/// the first pixel of the interior, this value is added, and behind the last, it is subtracted. Later, all
+/// changes are summed along the row. These sums use double, because float sums would leave a rounding error
+/// to the right of every bright sample.
 class PointScatter {
   public:
-    /// `channel` selects the blur kernels if each colour channel has its own.
+    /// `channel` is a colour channel, 0 to 2. If each colour channel has its own blur kernels, those of this
+    /// channel are used. If all channels share their kernels, leave it at 0.
     explicit PointScatter(const SplatTables& tables, std::size_t channel = 0)
         : tables_(tables), channel_(channel) {}
 

@@ -29,8 +29,8 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double DoublesAnywhere __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// Arguments of filter_strip. This function blurs a row of samples with a disc-shaped kernel, and adds the
-/// result to a strip of the image, which is 64 columns wide.
+/// Arguments of filter_strip. This function blurs one row of samples with a disc-shaped kernel, and adds the
+/// result to a strip of the image. The strip is 64 columns wide (RunScatter::strip_width).
 struct StripFilter {
     const KernelRow* rows;  ///< kernel rows dy = 0, 1, ...
     const float* taps;
@@ -149,9 +149,9 @@ void RunScatter::flush_rows(int begin, int end, bool fresh) {
 }
 
 void RunScatter::flush() {
-    // Adds the sums of float values to `total_`, which contains the sums in double. The rows of `total_` from
-    // `fresh_from_` on have no values yet, so they are overwritten instead. This also sets rows to 0 that no
-    // sample has reached.
+    // Adds the sums of the block's rows, which are in float, to `total_`, which is in double. From the row
+    // `fresh_from_` on, `total_` contains no values yet, so the rows are overwritten. Rows that no sample has
+    // reached thereby become 0.
     const int end = std::max(touched_end_, fresh_from_);
     flush_rows(touched_begin_, fresh_from_, false);
     flush_rows(fresh_from_, end, true);
@@ -199,9 +199,9 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     const int reach = kernel.x_end;
     const int rows = kernel.y_end();
     LaidRun laid{};
-    // The centre of the disc lies between its rows -1 and 0. The upper half is the mirror image of the lower
-    // half: row -1 - dy equals row dy. So only the rows from dy = 0 downwards are used, and `row_0` points to
-    // the first of them.
+    // The kernel is a disc whose centre lies on a pixel corner. Its upper half mirrors its lower half, so the
+    // rows -(1 + dy) and dy have the same values. Therefore, only the lower half is used, and `row_0` points
+    // to its first row, dy = 0.
     laid.row_0 = kernel.rows.data() - kernel.y_begin;
     laid.taps = kernel.taps.data();
     laid.inner = static_cast<double>(kernel.inner);

@@ -27,12 +27,13 @@ class RunScatter {
     RunScatter& operator=(const RunScatter&) = delete;
     RunScatter& operator=(RunScatter&&) = delete;
 
-    /// Sums the light of the blurred samples in the rectangle `block` of the image. Returns false if no
-    /// samples reach the block.
+    /// Blurs all samples that reach the rectangle `block` of the image, and sums their light in each pixel of
+    /// this rectangle. The results are then available by sums(). Returns false if no samples reach the block.
     bool run(const RasterWindow& block);
 
-    /// Returns the sums of one channel in row y of a strip of the image, which is `strip_width` columns wide.
-    /// Channels 0 to 2 are the colours, channel 3 is the weight.
+    /// Returns the sums of the blurred samples for one channel: an array with one value for each pixel in row
+    /// y of a strip, which is `strip_width` columns wide. Channels 0 to 2 are the sums of the colours, and
+    /// channel 3 is the sum of the weights.
     [[nodiscard]] const double* sums(int channel, int strip, int y) const {
         return total_.data() + index(channel, strip, y - block_.y_begin);
     }

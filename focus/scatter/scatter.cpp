@@ -20,18 +20,21 @@ namespace {
 // smaller ones keep more threads busy.
 constexpr int block_width = scatter_block_px;
 constexpr int block_height = scatter_block_px;
-/// Number of pixel rows that PointScatter computes at a time. More rows need more memory (64 B per pixel).
-/// With fewer rows, PointScatter must test more often which samples reach the rows.
+/// Number of pixel rows that PointScatter computes at a time. More rows need more memory, 64 B per pixel.
+/// Fewer rows need more time, because the samples whose blur reaches the rows are searched for every group of
+/// rows.
 constexpr int point_rows = 32;
 
 constexpr int strip_width = RunScatter::strip_width;
 
-/// Sums of red, green, blue and weight in a row of pixels: for each, an array of strip_width values.
+/// Four arrays for one row of a strip of the image, which is strip_width pixels wide. They contain, for each
+/// pixel, the sum of the red, the green and the blue of all blurred samples, and the sum of the samples'
+/// weights.
 using Sums = std::array<const double*, 4>;
 
-/// Returns the number by which a pixel's sum of colours is divided. It is the sum of the samples' weights,
-/// `weight`. If `weight` is less than 1, empty space fills the rest, but at most the fraction `most_nothing`
-/// of the pixel, which is added to `weight`.
+/// Returns the number by which a pixel's sum of colours is divided: the sum of the samples' weights,
+/// `weight`, and the weight of empty (black) space. Empty space fills the rest up to 1, but at most the
+/// fraction `most_nothing` of the pixel.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }
@@ -176,9 +179,9 @@ void scatter(const SplatTables& tables, Image& image, const std::optional<Crop>&
 
 namespace {
 
-/// Blurs every sample with the kernels of one colour channel, `channel`, because each colour channel may have
-/// its own kernels. Returns four sums for every pixel: the red, green and blue of the blurred samples, and
-/// their weights. If the kernels of the channels differ, only the colour `channel` is correct.
+/// Blurs every sample with the kernels of the colour channel `channel`. Returns four sums for every pixel,
+/// over all samples: of red, green, blue and weight. If the colour channels have different kernels, only the
+/// sums of colour `channel` and of the weight are valid.
 std::vector<double> reference_sums(const SplatTables& tables, std::size_t channel) {
     const RasterWindow& picture = tables.picture();
     const RasterWindow& source = tables.source();

@@ -13,9 +13,9 @@ inline constexpr double smallest_weight = 1e-12;
 /// Edge of the blocks in which images are computed, in px.
 inline constexpr int scatter_block_px = 256;
 
-/// Computes the blurred image in the window tables.picture(), in parallel, and resizes `image` to this
-/// window. Blocks (256 x 256 px) outside `wanted` are skipped. The result is bit-identical for any number of
-/// threads.
+/// Computes the image in which all samples of `tables` are blurred, in parallel, and resizes `image` to the
+/// window tables.picture(). Blocks of 256 x 256 px outside the part `wanted` are skipped. The result is
+/// bit-identical for any number of threads.
 void scatter(const SplatTables& tables, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
 /// Computes the same image as scatter(), by evaluating every impulse response at every pixel in double

@@ -13,18 +13,18 @@ namespace {
 
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
-/// Adjacent samples of a row can be blurred together if their discs have the same radius. Returns the
-/// smallest number of samples for which this is faster than blurring them one by one. The time to blur them
-/// together grows with the disc's area. The time to blur one sample grows only with its circumference. So the
-/// number grows with the radius.
+/// Returns the smallest number of adjacent samples with the same disc radius for which blurring them together
+/// is faster than one by one. The time to blur them together grows with the disc's area, but the time for a
+/// single sample only with its circumference.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }
 
 }  // namespace
 
-/// Builds the splats (samples with their blur kernels) of one row of samples at a time. The rows lie at the
-/// pixels' corners. Each thread needs its own builder.
+/// Finds the blur kernels of samples, and stores the samples with their kernels as splats. It processes one
+/// row of samples at a time. Row y contains the samples at the upper edges of the pixels in row y, and those
+/// inside these pixels. Each thread needs its own builder.
 class SplatTables::RowBuilder {
   public:
     explicit RowBuilder(SplatTables& tables)
@@ -116,8 +116,9 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     add_splats(s, primary, rgb, share);
 }
 
-// Adds the plain samples of a row (see PlainCorners). The result is the same as if add_sample were called for
-// each. But this function is faster, because it converts the depths of a whole row at once.
+// Adds the plain samples of a row: samples without reflections, at corners of undivided pixels (see
+// PlainCorners). The result is the same as that of add_sample, but this is faster, because the blur kernels
+// for all depths of the row are found at once.
 void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t row) {
     const std::size_t width = level_.size(), at = row * width;
     const std::span inverse = std::span(plain.inverse_depth).subspan(at, width);
@@ -243,9 +244,8 @@ void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
-    // The limits are the largest distances between a sample and a pixel, plus 1 px. A kernel is added to the
-    // image at a whole pixel, its anchor. Its centre may lie up to 1 px from the anchor, which is why 1 px is
-    // added.
+    // Limits of the size of a blur kernel along x and y: the largest distance between a sample and a pixel of
+    // the image, plus 1 px. A kernel's centre may lie up to 1 px from the pixel at which the kernel is added.
     return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
             std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
 }

@@ -23,30 +23,31 @@
 
 namespace postlens {
 
-/// Returns the largest distance between a sample in the window `source` and a pixel in the window `picture`,
-/// in px along each axis. No blur kernel needs to be larger, because its outer part would lie outside the
-/// image.
+/// Returns the largest size that a blur kernel needs, in px along each axis: the largest distance between any
+/// sample and any pixel of the image.
+/// - `source`: window of the samples
+/// - `picture`: window of the image's pixels
 [[nodiscard]] KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture);
 
-/// A sample to be blurred. A reflection or refraction in a sample is a separate splat if it needs another
-/// blur kernel. It adds its colour to the image, but its `weight` is 0. So each sample counts only once in
-/// the sum of weights by which a pixel is divided.
+/// One contribution to the blurred image: a colour and the blur kernel that spreads it. A sample becomes one
+/// splat, or several if a reflection or refraction needs another blur kernel. Such additional splats have the
+/// `weight` 0, so that the sample counts only once.
 struct Splat {
     std::int32_t x = 0;  ///< anchor column; the row is that of its SplatRow
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0;
 };
 
-/// A run: adjacent samples that all have weight 1 and the same blur kernel, a disc. They are blurred
-/// together, which is faster. They lie at pixel corners, in the columns [begin, end) of a row.
-/// SplatTables::raster_row contains their colours.
+/// A run: adjacent samples in one row that can be blurred together, because they have the weight 1 and the
+/// same blur kernel, a disc. They lie at the pixel corners in the columns [begin, end). Their colours are
+/// stored in SplatTables::raster_row.
 struct SplatRun {
     std::int32_t begin = 0, end = 0;
     std::uint32_t kernel = 0;
 };
 
-/// Number of classes into which the samples of each row are sorted, by the size of their blur kernel. A block
-/// of pixels far from the row then skips the classes whose kernels do not reach the block.
+/// Number of classes into which the samples of each row are sorted, by the size of their blur kernel. Only
+/// the classes with large kernels reach a block of pixels far from the row, so the others are skipped there.
 inline constexpr std::size_t reach_classes = 6;
 [[nodiscard]] std::size_t reach_class(const Reach& reach);
 
@@ -70,9 +71,9 @@ struct SplatRow {
 /// order, and then call finish().
 class SplatTables {
   public:
-    /// Creates tables without samples.
+    /// Creates an object without samples. They are added by add_rows or add_pixels.
     /// - `source`: window of the samples, which lie at pixel corners
-    /// - `picture`: window of the image's pixels
+    /// - `picture`: window of the pixels of the blurred image
     /// - `response`: computes the blur kernels; if it is null, they are discs and ellipses
     SplatTables(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
                 const DepthLevels& levels, DepthModel model,
@@ -83,9 +84,9 @@ class SplatTables {
     SplatTables(SplatTables&&) = delete;
     SplatTables& operator=(SplatTables&&) = delete;
 
-    /// Adds the samples in the rows [y_begin, y_end) of pixel corners to this object. Throws
-    /// Error(invalid_input) for a damaged quadtree.
-    /// - `band`: the records of these rows, and of one more row above and below
+    /// Adds the samples in the rows [y_begin, y_end) of pixel corners. A sample in row y lies at the upper
+    /// edge of pixel row y, or inside this row. Throws Error(invalid_input) for a damaged quadtree.
+    /// - `band`: the records (surface points) of these rows and of one more row above and below
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
@@ -93,11 +94,12 @@ class SplatTables {
     /// Adds row y of an image that another program made. `lights` are the samples of this row, sorted by
     /// column; those marked as hidden are skipped. Several threads may add different rows.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Allows empty space ("nothing"), which is black, to show in the image. If the weights of the samples in
-    /// a pixel add up to less than 1, empty space fills the rest of the pixel. `most` contains one value for
-    /// each pixel, row by row: the largest fraction of the pixel that empty space may fill.
+    /// Allows empty space ("nothing"), which is black, to show in the image, where the weights of the samples
+    /// in a pixel add up to less than 1. `most` contains for each pixel, row by row, the largest fraction
+    /// that empty space may fill.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
-    /// Computes the blur kernels. Call it after the last call of add_rows or add_pixels.
+    /// Computes the blur kernels that the added samples need. Call it after all samples have been added, by
+    /// add_rows or add_pixels.
     void finish();
 
     /// A large image is computed in strips (groups of rows), to save memory. For this, first call survey(),
@@ -105,14 +107,13 @@ class SplatTables {
     /// add once more the rows of samples that it returns, and call finish_strip().
     void survey() { keep_ = Keep::none; }
     /// Prepares to compute `part`, a strip (group of rows) of the image. Returns the ranges [begin, end) of
-    /// rows of samples that must be added again before finish_strip(), because their blur reaches the strip.
-    /// - `block_px`: the image is divided into blocks of this many rows, for which splats_reaching() counts
-    ///   samples
+    /// rows of samples whose blur reaches the strip. These rows must be added again before finish_strip().
+    /// - `block_px`: height, in rows, of the blocks for which splats_reaching() counts samples
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// Returns how many samples are blurred into some rows of the image: those of the blocks [begin, end). A
-    /// block consists of `block_px` rows, the argument of begin_strip. The number serves to estimate the
-    /// memory that these rows need. Call this function after finish_strip().
+    /// Returns how many samples are blurred into the blocks of rows from `begin` to `end` (exclusive), to
+    /// estimate the memory that they need. A block has `block_px` rows, as given to begin_strip(). Call this
+    /// function after finish_strip().
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -122,15 +123,16 @@ class SplatTables {
     [[nodiscard]] const SplatRow& row(int y) const {
         return rows_[static_cast<std::size_t>(y - source_.y_begin)];
     }
-    /// Returns one colour channel (0 to 2) of the samples in row y, one value for each pixel corner. Only the
-    /// values of samples that belong to a run (SplatRun) are valid. The colours of all other samples are in
-    /// their splats.
+    /// Returns one colour channel (0 to 2) of the samples in row y: an array with one value for each pixel
+    /// corner. Only the values of samples in runs (SplatRun) are valid, because all other samples have their
+    /// colours in their splats (Splat).
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// Samples of a run (SplatRun) are blurred together with a disc. These discs cover at most the rows from
-    /// run_dy_begin to run_dy_end (exclusive), relative to the row of the sample.
+    /// Range of rows that the blur of runs covers. A run (SplatRun) consists of adjacent samples in one row
+    /// that share a blur kernel, a disc. Relative to the samples' row, the discs of all runs lie in the rows
+    /// from run_dy_begin() to run_dy_end() (exclusive).
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
@@ -145,12 +147,13 @@ class SplatTables {
                                                         static_cast<std::size_t>(picture_.width());
     }
     [[nodiscard]] const BorderRadii& border() const { return border_; }
-    /// Returns the largest CoC diameter, in px, of the directly visible surfaces at a finite depth. It is not
-    /// rounded to a depth level.
+    /// Returns the largest CoC diameter, in px, of all directly visible surfaces at a finite depth. This is
+    /// the exact diameter. For blurring, diameters are rounded to a limited number of values.
     [[nodiscard]] double largest_coc_px() const;
     /// Returns how many different radii the samples' blur discs have.
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Returns whether any sample has a negative colour. If not, negative pixel values are rounding errors.
+    /// Returns whether any sample has a negative colour. If none has, the blurred image cannot be negative.
+    /// Negative pixel values are then rounding errors, and can be set to 0.
     [[nodiscard]] bool any_negative() const { return any_negative_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
 

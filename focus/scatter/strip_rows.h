@@ -15,12 +15,12 @@
 
 namespace postlens {
 
-/// The image is computed in strips (groups of rows), to save memory. This class finds the rows of the sample
-/// file that must be read again for each strip, because their samples are blurred into the strip.
+/// Finds the rows of the sample file that must be read again for each strip. A strip is a group of rows of
+/// the image; strips are computed one after another, to save memory.
 ///
-/// An `Item`, for example a sample to be blurred, belongs to a row of the file and reaches several rows of
-/// the image. The few items that reach many rows are kept in memory. So only file rows close to a strip must
-/// be read.
+/// An `Item`, for example a sample to be blurred, lies in a row of the file. Its blur may reach several rows
+/// of the image, so it is needed for all strips that contain these rows. The few items that reach many rows
+/// are kept in memory. Therefore, only the file rows near a strip must be read again.
 template <typename Item>
 class StripRows {
   public:
@@ -30,9 +30,10 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// Creates an object without samples.
-    /// - `source`: window of the rows of samples in the file
-    /// - `picture`: window of the image, which is divided into blocks of `block_px` rows
+    /// Creates an object to which no items (for example, samples) have been added yet.
+    /// - `source`: window of the sample file, whose rows contain the items
+    /// - `picture`: window of the image; its rows are divided into blocks of `block_px` rows, for which
+    ///   `reaching` counts items
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
         : y_begin_(source.y_begin),
           first_(picture.y_begin),
@@ -40,8 +41,9 @@ class StripRows {
           blocks_((picture.height() + block_px - 1) / block_px),
           rows_(static_cast<std::size_t>(source.height())) {}
 
-    /// Removes all samples of row y, so that they can be added again in the same order. Thread-safe for
-    /// different rows.
+    /// Prepares row y for adding its samples: removes the samples of this row that were added before. Rows
+    /// are added several times, because a row is read again for each strip (group of rows) of the image that
+    /// needs it. Thread-safe for different rows.
     void begin_row(int y) {
         Row& to = row(y);
         to.first = std::numeric_limits<int>::max();
@@ -63,15 +65,16 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Limits the memory for samples that are kept because their blur reaches more than far_px_ rows away. If
-    /// they need more than `far_bytes`, far_px_ is doubled until they do not. Samples whose blur reaches
-    /// fewer rows are then no longer kept. Call this function after complete rows were added.
+    /// Limits the memory for samples that are kept between strips, because their blur reaches more than
+    /// far_px_ rows away. They may need at most `far_bytes`. Samples that this function removes must be added
+    /// again for each strip. Call it after complete rows were added.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
             for (const Row& r : rows_) out += r.far.size();
             return out;
         };
+        // Doubling far_px_ removes the samples whose blur reaches fewer rows than that.
         while (kept() > far_bytes / sizeof(Far)) {
             far_px_ *= 2;
             for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -105,8 +108,9 @@ class StripRows {
         }
         return out;
     }
-    /// Returns the number of samples whose blur reaches the blocks [begin, end), each of `block_px` image
-    /// rows. Requires that all rows have been added.
+    /// Returns the number of samples whose blur reaches certain rows of the image: those of the blocks from
+    /// `begin` to `end` (exclusive), each of `block_px` rows. Call it only after the samples of all file rows
+    /// have been added to this object.
     [[nodiscard]] std::uint64_t reaching(int begin, int end) const {
         std::uint64_t out = 0, gone = 0;
         for (const Row& r : rows_) {
@@ -116,8 +120,9 @@ class StripRows {
         }
         return out - gone;
     }
-    /// Returns the samples of row y that are kept in memory. Their blur reaches pixels more than far_px_ rows
-    /// away. They are returned in the order in which they were added.
+    /// Returns the samples of row y that are kept in memory, because their blur reaches pixels more than
+    /// far_px_ rows away. Samples with a smaller blur are not kept, but read again from the file when they
+    /// are needed. The samples are in the order in which they were added.
     [[nodiscard]] std::span<const Far> far(int y) const {
         return rows_[static_cast<std::size_t>(y - y_begin_)].far;
     }

@@ -20,18 +20,17 @@ double example_focal_length_mm(double inverse_focus_per_m) {
     return inverse_focus_per_m > 0 ? std::min(usual_mm, 0.5 / inverse_focus_per_m / metres_per_mm) : usual_mm;
 }
 
-/// Residual of the fit of a thin lens to measured circles of confusion. A thin lens that focuses at the
-/// distance 1/q gives the circle of confusion of a point at depth z the diameter K |q - 1/z|. The factor K is
-/// F^2 / (n (1 - F q)), with the focal length F and the f-number n. The residual is this diameter minus the
-/// measured diameter c:
-///
-///     K |q - 1/z| - c
+/// Residual of the fit of a thin lens to measured circles of confusion. If a thin lens is focused at the
+/// distance 1/q, a point at the depth z has a circle of the diameter K |q - 1/z|. The residual is this
+/// diameter minus the measured diameter.
 struct Difference {
     double inverse_depth, coc_mm;
     template <typename T>
     bool operator()(const T* log_focal_mm, const T* log_f_number, const T* inverse_focus, T* residual) const {
         using std::exp;
         const T F_m = exp(log_focal_mm[0]) * metres_per_mm;
+        // The factor K is F^2 / (n (1 - F q)), with the focal length F, the f-number n and the inverse focus
+        // distance q.
         const T K =
             exp(T(2) * log_focal_mm[0] - log_f_number[0]) * metres_per_mm / (T(1) - F_m * inverse_focus[0]);
         const T away = inverse_focus[0] - T(inverse_depth);
@@ -40,9 +39,9 @@ struct Difference {
     }
 };
 
-/// Result of fitting a thin lens to measured circles of confusion. At the inverse depth x, a circle of
-/// confusion has the diameter c = K |q - x|. The fit determines the factor K, in mm times m, and the inverse
-/// focus distance q, in 1/m. `error` is the sum of the squared residuals, in mm^2.
+/// Result of fitting a thin lens to measured circles of confusion. At the inverse depth x, the fitted
+/// diameter of a circle is K |q - x|. K is in mm times m, and q, the inverse focus distance, is in 1/m.
+/// `error` is the sum of the squared residuals, in mm^2.
 struct LineFit {
     double K = 0, q = 0, error = std::numeric_limits<double>::infinity();
 };
@@ -51,15 +50,16 @@ LineFit fit_line(std::vector<CocPair> pairs) {
     std::sort(pairs.begin(), pairs.end(),
               [](const CocPair& a, const CocPair& b) { return a.distance_m > b.distance_m; });
     LineFit best;
-    // A circle of confusion does not tell whether its point lies behind the focus or in front of it. So each
-    // possible division of the measurements, which are sorted from far to near, is tried: the first `behind`
-    // measurements count as behind the focus, and the others as in front of it. For each division, a line is
-    // fitted to the diameters over the inverse depth. The line with the smallest error is kept.
+    // Fits a line to the diameters of circles of confusion over the inverse depth. A diameter does not tell
+    // whether its point lies behind the focus or in front of it, so all possibilities are tried. The first
+    // `behind` measurements, sorted from far to near, count as behind the focus.
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
-        // To remove the absolute value in K |q - x|, the diameters of points in front of the focus are
-        // counted as negative. Diameters are then linear in the inverse depth x: K (q - x).
+        // Fits the factor K and the inverse focus distance q: at the inverse depth x, the signed diameter of
+        // a circle of confusion is K (q - x).
         double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
+            // Diameters of circles in front of the focus, where x > q, count as negative, so that they are a
+            // linear function of x too.
             const double x = 1 / pairs[i].distance_m, y = i < behind ? pairs[i].coc_mm : -pairs[i].coc_mm;
             n += 1;
             sx += x;
@@ -100,9 +100,9 @@ void check(std::span<const CocPair> pairs, const ThinLensFitRequest& request) {
 
 constexpr std::array<const char*, 3> names = {"F", "n", "s"};
 
-/// Returns the condition number of the fit. It is computed from the Jacobian `rows`, whose columns are the
-/// derivatives of the residuals with respect to log F, log n and 1/s. Only the columns with the indices
-/// `free` are used. `weak` receives the combination of these parameters that the data determine least
+/// Returns the condition number of the fit, which tells how much errors of the data are amplified. The
+/// columns of the Jacobian `rows` are derivatives with respect to log F, log n and 1/s. Only those with the
+/// indices `free` are used. `weak` receives the combination of parameters that the data determine least
 /// precisely.
 double condition_of(const std::vector<std::array<double, 3>>& rows, const std::vector<int>& free,
                     Eigen::VectorXd& weak) {
@@ -135,9 +135,9 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
         fail(ExitCode::invalid_input,
              "pairs are those of no lens (got circles of confusion that do not grow away from any focus)");
     }
-    // The diameters of circles of confusion, K |q - 1/z| at depth z, determine two numbers: the inverse focus
-    // distance q and the factor K = F^2 / (n (1 - F q)). K contains two unknowns, the focal length F and the
-    // f-number n. Therefore, one of F and n must be known or assumed, and the other follows from K.
+    // The diameters of circles of confusion determine the inverse focus distance q and the factor K = F^2 /
+    // (n (1 - F q)). K contains two unknowns, the focal length F and the f-number n. Therefore, one of these
+    // two must be known or assumed.
     ThinLensFit out;
     const bool both_free = !request.focal_length_mm && !request.f_number;
     double F_mm = request.focal_length_mm.value_or(example_focal_length_mm(line.q)), n = 1;

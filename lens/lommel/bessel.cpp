@@ -30,8 +30,7 @@ std::vector<double> bessel_orders(double v) {
         return j;
     }
     // Computes the Bessel functions J_n(v) from high to low orders n by the recurrence J_{n-1} = (2n/v) J_n -
-    // J_{n+1}. It starts with an arbitrary small value, so all results have a common wrong factor. This
-    // factor is found from the identity J_0 + 2 J_2 + 2 J_4 + .. = 1.
+    // J_{n+1}. It starts with an arbitrary small value, so all results have a common wrong factor.
     double above = 0, here = 1e-250, sum = 0;
     for (int n = last; n >= 0; --n) {
         j[static_cast<std::size_t>(n)] = here;
@@ -40,6 +39,7 @@ std::vector<double> bessel_orders(double v) {
         above = here;
         here = below;
     }
+    // The common factor of the results is found from the identity J_0 + 2 J_2 + 2 J_4 + .. = 1.
     for (double& value : j) value /= sum;
     return j;
 }

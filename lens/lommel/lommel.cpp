@@ -21,9 +21,9 @@ double squared(double x) {
     return x * x;
 }
 
-/// Returns the sum of (-1)^s ratio^n J_n(v) over s = 0, 1, ..., with n = first + 2 s. `j` contains the Bessel
-/// functions J_0(v), J_1(v), ... of the optical radius v. If `ratio` is u / v, with the defocus u, the sum is
-/// Lommel's function U_first(u, v). If `ratio` is v / u, it is V_first(u, v) [born1999, 8.8, eqs. 8 and 16].
+/// Returns Lommel's function U_n or V_n, where n is `first` [born1999, 8.8, eqs. 8 and 16]. It is the sum of
+/// (-1)^s ratio^(n + 2 s) J_(n + 2 s)(v) over s = 0, 1, ... `ratio` is u / v for U_n, and v / u for V_n, with
+/// the defocus u and the optical radius v. `j` contains the Bessel functions J_0(v), J_1(v), ...
 double lommel_sum(const std::vector<double>& j, double ratio, std::size_t first) {
     double sum = 0;
     const std::size_t last = first + (j.size() - 1 - first) / 2 * 2;
@@ -43,9 +43,9 @@ double q_function(const std::vector<double>& j, std::size_t two_s) {
     return sum;
 }
 
-/// Returns a series that occurs in Lommel's formulas for the encircled energy [born1999, 8.8, eqs. 29 and
-/// 30]. It is the sum of (-1)^s / (2 s + 1) ratio^(2 s) Q_2s(v) over s = 0, 1, ... `ratio` is u/v or v/u,
-/// with the defocus u and the optical radius v. `j` contains the Bessel functions J_0(v), J_1(v), ...
+/// Returns the sum of (-1)^s / (2 s + 1) ratio^(2 s) Q_2s(v) over s = 0, 1, ..., which occurs in Lommel's
+/// formulas for the encircled energy [born1999, 8.8, eqs. 29 and 30]. `ratio` is u/v or v/u. `j` contains the
+/// Bessel functions J_0(v), J_1(v), ..., from which q_function computes Q_2s(v).
 double q_sum(const std::vector<double>& j, double ratio) {
     double sum = 0, power = 1;
     for (std::size_t s = 0; 2 * s + 2 < j.size() && power > 1e-18; ++s) {
@@ -61,9 +61,9 @@ double q_sum(const std::vector<double>& j, double ratio) {
 double intensity_by_quadrature(double u, double v) {
     u = std::abs(u);
     v = std::abs(v);
-    // Integrates J0(v p) exp(-i u p^2 / 2) p over the radius p in the pupil, from 0 to 1. Per unit of p, the
-    // phase changes by at most u + v radians. Therefore, the interval is divided into so many panels that the
-    // phase changes by at most pi in each. In such a panel, 16 quadrature nodes suffice.
+    // Integrates J0(v p) exp(-i u p^2 / 2) p over the radius p in the pupil, from 0 to 1. The phase changes
+    // by at most u + v radians per unit of p, and therefore by at most pi in each panel. For such a panel, 16
+    // quadrature nodes suffice.
     const auto panels = static_cast<int>((u + v) / pi) + 1;
     double re = 0, im = 0;
     for (int i = 0; i < panels; ++i) {
@@ -86,8 +86,8 @@ double lommel_intensity(double u, double v) {
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
         // At the defocus u and the radius v, the intensity is (2/u)^2 (U1^2 + U2^2), with the Lommel
-        // functions U1 and U2 [born1999, 8.8]. These are series in x = u / v. To avoid a division by u = 0, a
-        // factor is taken out of each series: `odd` is U1 / x, and `even` is U2 / x^2.
+        // functions U1 and U2 [born1999, 8.8]. `odd` is U1 divided by x = u / v, and `even` is U2 divided by
+        // x^2. Then u cancels in the intensity, so that u may be 0.
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {

@@ -14,17 +14,17 @@ namespace {
 constexpr std::size_t lanes = 8;
 using Lanes = std::array<double, lanes>;
 
-/// Two series of Bessel functions J_n(v) from which Lommel's intensity is computed. Each is summed for eight
-/// values of the optical radius v at once. x is the smaller of v/u and u/v, with the defocus u.
+/// Two sums over Bessel functions J_n(v), from which Lommel's intensity is computed, for eight values of the
+/// optical radius v. x is v/u or u/v, whichever is smaller, with the defocus u.
 /// - `odd` is the sum of (-1)^s x^(1+2s) J_(1+2s)(v) over s = 0, 1, ..
 /// - `even` is the sum of (-1)^s x^(2s) J_(2s)(v) over s = 1, 2, ..
 struct SeriesLanes {
     Lanes odd{}, even{};
 };
 
-/// Sums the terms t_n = x^n J_n(v) with Bessel functions J_n: `odd` over odd n, and `even` over even n from
-/// 2. The signs of consecutive terms in a sum alternate. The first terms are given by j0 and j1, the values
-/// J_0(v) and J_1(v). Each further term is computed from the two before it:
+/// Sums the terms t_n = x^n J_n(v) with alternating signs: `odd` over odd n, and `even` over even n from 2.
+/// j0 and j1 are the values J_0(v) and J_1(v), which give the first terms. Each further term is computed from
+/// the two before it:
 ///
 ///     t_(n+1) = n c t_n - x^2 t_(n-1)    with c = 2 x / v
 ///
@@ -58,9 +58,9 @@ void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double*
     out.even = even;
 }
 
-/// Computes the series `odd` and `even` of SeriesLanes, up to the order `last`. The Bessel functions are
-/// computed by downward recurrence (Miller's algorithm), and the sums by Horner's rule. Unlike upward
-/// recurrence, this is stable for any number of terms.
+/// Sums the two series of Bessel functions of SeriesLanes, `odd` and `even`, up to the order `last`. The
+/// Bessel functions are computed by downward recurrence (Miller's algorithm), because upward recurrence is
+/// unstable for orders above v. During this recurrence, the sums are computed by Horner's rule.
 POSTLENS_MULTIVERSION
 void sum_downwards(const Lanes& v, const Lanes& x, int last, SeriesLanes& out) {
     Lanes c, x2, above{}, here, norm{}, odd{}, even{};

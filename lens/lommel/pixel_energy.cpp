@@ -14,24 +14,23 @@ namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Integrates the energy flow (see Flow) through a pixel border near the blur kernel's centre. The border is
-/// a part of a vertical line: relative to the centre, it lies at x and extends from y0 to y1, in px.
+/// Returns the flow of energy through a pixel border near the blur kernel's centre. This flow is only
+/// imagined (see Flow). Relative to the centre, the border is a vertical line at x from y0 to y1, in px.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // The energy flow is directed away from the kernel's centre. So it runs along a line through the centre
-    // and does not cross it. If the border's line passes the centre at less than this distance, it counts as
-    // such a line, and the flow through it is 0. This avoids a division by a distance of nearly 0.
+    // If the pixel border lies on a line through the kernel's centre, the energy flow is parallel to the
+    // border, so no energy crosses it. A border whose line passes the centre at less than nothing_px is
+    // treated alike, to avoid a division by nearly 0.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
-    // The energy L within the distance r from the kernel's centre flows through a circle of circumference 2
-    // pi r, so the flow is L / (2 pi r) per px of the circle. The border, at the distance x from the centre,
-    // is inclined to this circle. Per px of the border, the flow is therefore smaller by the factor x / r. So
-    // the integrand over y is L x / (2 pi r^2). It is integrated over t, with y = x sinh t.
+    // Integrates the energy flow over the points (x, y) of the border, at the distances r from the kernel's
+    // centre. The kernel's energy L within r flows out through a circle of circumference 2 pi r, so the flow
+    // is L / (2 pi r) per px of the circle. Only its horizontal component, the fraction x / r, crosses the
+    // vertical border. With y = x sinh t and r = x cosh t, the integrand over t becomes L / (2 pi cosh t).
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
-    // The flow is integrated numerically over t = asinh(y / x) in panels, which are intervals of t with 16
-    // quadrature nodes each. A panel spans at most 6 units of the optical radius v, so that its nodes resolve
-    // diffraction fringes. At most 64 panels are used. Fringes that are too narrow for these contribute
-    // little, because bright and dark fringes cancel in the integral.
+    // Integrates the energy flow over t = asinh(y / x) in panels (intervals) with 16 quadrature nodes each. A
+    // panel spans at most 6 units of the optical radius v, so that the nodes resolve diffraction fringes. At
+    // most 64 panels are used, because even finer fringes cancel in the integral.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -46,16 +45,16 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     return std::copysign(sum * width / two_pi, x);
 }
 
-/// Returns the width, in px, over which diffraction fringes are averaged before they are integrated along a
-/// pixel border. Narrower fringes would fall between the quadrature nodes on the border and falsify the
-/// integral. A width of 70 % of the distance between nodes gives the smallest error.
+/// Returns the width, in px, over which the energy of a blur kernel is averaged to remove diffraction
+/// fringes. Narrow fringes would fall between the quadrature nodes of the integrals along pixel borders. A
+/// width of 70 % of the distance between nodes gives the smallest error.
 double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// A table of L / (2 pi r^2) over the distance r (px) from the blur kernel's centre. L is the kernel's energy
-/// within r. The value, multiplied by the distance x of a pixel border from the centre, is the energy flow
-/// (see Flow) per px of the border.
+/// A table for the energy flow (see Flow) through vertical pixel borders. For each distance r, in px, from
+/// the blur kernel's centre, it contains L / (2 pi r^2), where L is the kernel's energy within r. This value
+/// times the border's horizontal distance x is the flow per px of the border.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -79,11 +78,9 @@ class FlowTable {
     std::vector<double> values_;
 };
 
-/// Integrates an imaginary flow of energy through pixel borders that are parallel to the y axis. The flow is
-/// directed away from the blur kernel's centre. Through the circle of radius r, as much energy flows as the
-/// kernel contains within this circle, L(r), equally in all directions. So the energy in a ring is the
-/// difference of the flows through its outer and inner circle. In the same way, the net flow out of a pixel
-/// is the pixel's energy.
+/// Computes how much energy flows through pixel borders that are parallel to the y axis. This flow is only
+/// imagined: it is directed away from the blur kernel's centre, so that the net flow out of a pixel is the
+/// kernel's energy in this pixel.
 class Flow {
   public:
     Flow(const RadialProfile& profile, const PixelEnergySettings& settings, double end_px)
@@ -114,10 +111,9 @@ class Flow {
     FlowTable table_;
 };
 
-/// Returns the flow of energy (see Flow) through each pixel border. By the divergence theorem, a pixel's
-/// energy is the flow out through its borders minus the flow in. If the kernel is centred on a corner or the
-/// centre of a pixel, the flows in its four quadrants are equal. Then only the flows of one quadrant are
-/// computed and stored.
+/// Contains the flow of the kernel's energy (see Flow) through each pixel border. If the kernel is centred on
+/// a corner or the centre of a pixel, the flows in its four quadrants are equal. Then only those of one
+/// quadrant are computed and stored.
 class Borders {
   public:
     Borders(const Flow& flow, double centre_x, double centre_y, int reach) : flow_(flow) {
@@ -133,8 +129,8 @@ class Borders {
             }
         });
     }
-    /// Returns the energy that flows in +x direction through the pixel border from (x, y0) to (x, y0 + 1), as
-    /// a fraction of the kernel's energy. Coordinates are in px, relative to the kernel's centre.
+    /// Returns the flow of energy (see Flow) in +x direction through the pixel border from (x, y0) to (x, y0
+    /// + 1), in px relative to the kernel's centre. The flow is a fraction of the kernel's energy.
     [[nodiscard]] double through(double x, double y0) const {
         if (quadrant_.empty()) return flow_.through(x, y0, y0 + 1);
         const auto line = static_cast<std::size_t>(std::abs(x));
@@ -158,10 +154,9 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // The pixel energies are computed from energy flows through all pixel borders in a square around the blur
-    // kernel's centre. These need `profile`, the energy within each radius, up to the square's corners, which
-    // are farther away by the factor sqrt(2). The profile is also needed up to `near_px` in any case.
-    // Averaging over diffraction fringes needs a further margin of 4 smoothing_px.
+    // Radius to which `profile`, the energy within each radius, must extend: to the corners of the square
+    // around the kernel's centre in which pixel energies are computed, and at least to `near_px`. Averaging
+    // the profile to remove diffraction fringes needs a margin of 4 smoothing_px.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

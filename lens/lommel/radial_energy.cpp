@@ -21,8 +21,8 @@ constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a 
 
 double RadialEnergy::step_for(double u) {
     // The energy within each optical radius is tabulated in steps that must resolve diffraction fringes. If
-    // the defocus |u| (in optical units) is small, a few fringes hold all energy, so the steps must be fine.
-    // If |u| is large, each fringe holds at most 1/|u| of the energy. Therefore, coarse steps suffice.
+    // the defocus |u| is small, a few fringes hold all energy, so the steps must be fine. If |u| is large,
+    // each fringe holds little energy, so coarse steps suffice.
     return std::abs(u) < 256 ? 0.125 : 0.5;
 }
 
@@ -41,10 +41,9 @@ RadialEnergy::RadialEnergy(double u, double v_end, const BesselGrid& grid) : u_(
     const std::size_t nodes = count - values_beyond;
     within_.resize(nodes);
     within_sum_.resize(nodes);
-    // Slope of the encircled energy E, which is the fraction of the energy within the optical radius v. With
-    // the intensity I at this radius, the slope is dE/dv = I v / 2. Integration over a step uses slopes
-    // beyond both of its ends, so v may be negative near the centre. The slope is an odd function of v, so
-    // the intensity at |v| gives these values too.
+    // Returns the slope dE/dv of the encircled energy E at table entry i. With the intensity I at the optical
+    // radius v, it is I v / 2. Near the centre, i and v may be negative, but the intensity is the same at v
+    // and -v.
     const auto slope = [this](std::ptrdiff_t i) {
         const double v = step_ * static_cast<double>(i);
         return intensity_[static_cast<std::size_t>(std::abs(i))] * v / 2;
@@ -78,8 +77,8 @@ double RadialEnergy::within_integral(double v) const {
     const double slope0 = intensity_[i] * static_cast<double>(i) / 2 * step_ * step_;
     const double slope1 = intensity_[i + 1] * static_cast<double>(i + 1) / 2 * step_ * step_;
     const double rise = within_[i + 1] - within_[i];
-    // Integrates the encircled energy from the start of this table step over the fraction t of the step.
-    // Within the step, the energy is approximated by a cubic Hermite polynomial. It begins at w0 =
+    // Adds the integral of the encircled energy over the fraction t of step i to its integral up to the start
+    // of this step. Within the step, a cubic Hermite polynomial approximates the energy. It begins at w0 =
     // within_[i], rises by `rise`, and has the slopes slope0 and slope1 (per step) at the ends:
     //
     //     w0 + slope0 t + (3 rise - 2 slope0 - slope1) t^2 + (slope0 + slope1 - 2 rise) t^3

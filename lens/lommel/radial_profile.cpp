@@ -35,13 +35,13 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
             sum += p.weight * p.energy->within(v);
             continue;
         }
-        // Computes the encircled energy at the optical radius v, without diffraction fringes narrower than w.
-        // The mean over an interval of width w contains no such fringes, because they average out. But this
-        // mean differs from the value in the middle of the interval if the encircled energy is curved.
-        // Therefore, the means over three adjacent intervals are added with the weights (-1, 26, -1) / 24.
-        // For cubic polynomials, this gives the exact value at v.
+        // Computes the encircled energy at the optical radius v without narrow diffraction fringes, which
+        // average out in the mean over an interval of width w.
         const double m0 = p.energy->within_integral(v - 1.5 * w), m1 = p.energy->within_integral(v - 0.5 * w);
         const double m2 = p.energy->within_integral(v + 0.5 * w), m3 = p.energy->within_integral(v + 1.5 * w);
+        // If the energy is a curved function of v, its mean over an interval differs from the value in the
+        // middle. To correct this, the means over the intervals around v - w, v and v + w are added with the
+        // weights (-1, 26, -1) / 24. For cubic polynomials, this is exact.
         sum += p.weight * (27 * (m2 - m1) - (m3 - m0)) / (24 * w);
     }
     return sum;
@@ -73,10 +73,9 @@ std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px
 }
 
 double RadialProfile::density(double radius_px) const {
-    // Converts intensities I, which are relative to the peak in focus, to fractions of the energy per px^2.
-    // The distance r from the centre, in px, corresponds to the optical radius v = r v_per_px. A thin ring of
-    // width dv contains the fraction I v dv / 2 of the energy. Its area is 2 pi r dr, with dv = v_per_px dr.
-    // Therefore, the energy per area is I v_per_px^2 / (4 pi).
+    // Converts the intensity I, which is relative to the peak in focus, to a fraction of the energy per px^2.
+    // A thin ring at the optical radius v, which is v_per_px times the radius r in px, contains the energy I
+    // v dv / 2. Divided by the ring's area, 2 pi r dr, this is I v_per_px^2 / (4 pi).
     double sum = 0;
     for (const Part& p : parts_) {
         sum += p.weight * lommel_intensity(p.energy->u(), radius_px * p.v_per_px) * p.v_per_px * p.v_per_px;

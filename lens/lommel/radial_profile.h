@@ -22,17 +22,19 @@ class RadialProfile {
     /// Optical radius v per px; the largest of all wavelengths.
     [[nodiscard]] double v_per_px() const;
 
-    /// Returns the fraction of the energy within a radius from 0 to end_px(), in px.
+    /// Returns the fraction of the impulse response's energy that lies within a radius of its centre. The
+    /// radius is in px, from 0 to end_px(), up to which the profile is known.
     [[nodiscard]] double within(double radius_px) const;
     /// Returns the fraction of the energy within a radius, in px, as a smooth function of the radius:
-    /// diffraction fringes finer than `width_px` are averaged out. If the profile has no fringes, the
-    /// averaging causes an error that is proportional to width_px^4.
+    /// diffraction fringes finer than `width_px` are averaged out. Without fringes, the averaging causes an
+    /// error in proportion to width_px^4.
     ///
-    /// The average uses radii up to 3/2 width_px to both sides of the given radius. Therefore, this radius
-    /// must be at least this far from 0 and from end_px().
+    /// The radius must be at least 3/2 width_px away from 0 and from end_px(), because the average also uses
+    /// radii around it.
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
-    /// Returns smoothed_within(r, width_px) for `count` radii r. This is faster than single calls. The first
-    /// radius is begin_px. The others follow at equal distances of width_px / row_steps.
+    /// Returns the fractions of the energy within `count` radii, computed as by smoothed_within():
+    /// diffraction fringes finer than `width_px` are averaged out. The first radius is begin_px, and each
+    /// next radius is larger by width_px / row_steps. This is faster than single calls of smoothed_within().
     static constexpr int row_steps = 6;
     [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;
     /// Returns the fraction of the blur kernel's energy per px^2 at a distance from the kernel's centre, by

@@ -11,8 +11,9 @@ namespace postlens {
 
 namespace {
 
-/// Decides which rows with radius 0 are planes. Normally, radius 0 marks the aperture stop, but some files
-/// also write planes this way.
+/// Decides which surfaces with radius 0 in a .dat lens file are planes. Normally, the radius 0 marks the
+/// aperture stop, so `is_stop` was set for each of them. But some files also write plane glass surfaces with
+/// the radius 0. These refract, and a stop does not.
 void find_planes(std::vector<Surface>& surfaces, double wavelength_nm) {
     const auto refracts = [&](std::size_t i) {
         const double before = i == 0 ? 1 : surfaces[i - 1].glass.index(wavelength_nm);
@@ -24,8 +25,8 @@ void find_planes(std::vector<Surface>& surfaces, double wavelength_nm) {
         ++rows;
         if (!refracts(i)) ++even;
     }
-    // Several rows of the table have radius 0. The only one with the same medium on both sides is the
-    // aperture stop; the others are plane glass surfaces.
+    // If several rows have radius 0 and exactly one of them has the same medium on both sides, this one is
+    // the aperture stop. The others are plane glass surfaces.
     if (rows < 2 || even != 1) return;
     for (std::size_t i = 0; i < surfaces.size(); ++i)
         surfaces[i].is_stop = surfaces[i].is_stop && !refracts(i);
@@ -50,7 +51,7 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
             }
             continue;
         }
-        // A single number above the table of surfaces is the focal length.
+        // A line with a single number, above the table of surfaces, gives the focal length.
         if (words.size() == 1 && lens.surfaces.empty() && !lens.stated_focal_length_mm) {
             lens.stated_focal_length_mm = number_in(file, line.number, words[0], "focal length");
             continue;

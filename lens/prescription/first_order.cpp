@@ -80,10 +80,9 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
         front.move(lens.surfaces[stop - 1].thickness_mm / checked_index(lens, stop - 1, wavelength_nm));
     }
     const Matrix back = between(lens, wavelength_nm, stop, count);
-    // Finds the entrance pupil, which is the image of the stop seen from the scene. A paraxial ray with the
-    // height y and the angle nu at the first surface meets the stop at the height front.a y + front.b nu. A
-    // ray that aims at the entrance pupil's centre, at the position z, has y = -z nu and meets the stop's
-    // centre, at height 0. Therefore, z is front.b / front.a.
+    // Finds the position z of the entrance pupil, the image of the stop seen from the scene. A paraxial ray
+    // with the height y and the angle nu at the first surface meets the stop at the height front.a y +
+    // front.b nu. This is 0 for a ray with y = -z nu, which aims at the pupil's centre.
     out.entrance_pupil_z_mm = front.b / front.a;
     out.exit_pupil_z_mm = 0 - behind * back.b / back.d;  // 0, not -0, if the stop is the last surface
     double radius = lens.surfaces[stop].clear_radius_mm;
@@ -104,10 +103,9 @@ ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, Paraxia
 
 double paraxial_image_z_mm(const Prescription& lens, double wavelength_nm, double object_z_mm) {
     const Matrix m = between(lens, wavelength_nm, 0, lens.surfaces.size());
-    // Traces a paraxial ray from the object point on the axis. At the first lens surface, its height is 1 and
-    // its slope is t, which is 0 for an object at infinity. The transfer matrix m of the lens converts these
-    // to the ray's height, m.a + m.b t, and its slope times the refractive index, m.c + m.d t, at the last
-    // surface. The image lies where the ray then meets the axis.
+    // At the first surface, a paraxial ray from the object point on the axis has the height 1 and the slope
+    // t. Behind the last surface, its height is m.a + m.b t, and its slope is m.c + m.d t, divided by the
+    // refractive index there. The image lies where this ray meets the axis.
     const double t = std::isinf(object_z_mm) ? 0 : -1 / object_z_mm;
     return -lens.image_index(wavelength_nm) * (m.a + m.b * t) / (m.c + m.d * t);
 }

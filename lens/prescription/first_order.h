@@ -5,15 +5,13 @@
 
 namespace postlens {
 
-/// First-order properties of a lens [born1999, 4.4]. z is in mm along the axis, positive towards the film. In
-/// object space, z is 0 at the vertex of the first surface, and in image space, at the vertex of the last.
-///
-/// n' is the refractive index behind the lens.
+/// First-order properties of a lens [born1999, 4.4]. All positions z are in mm along the axis, positive
+/// towards the film. Positions in object space, such as the entrance pupil, are measured from the vertex of
+/// the first surface, and positions in image space from the vertex of the last.
 struct FirstOrder {
-    /// Equivalent focal length efl. It relates angles to image heights: an object at infinity, at a small
-    /// angle t (rad) from the axis, has its image at the height efl * t. For a diverging lens, efl is
-    /// negative. If the medium behind the lens has the refractive index n', the rear focal length is n' *
-    /// efl.
+    /// Equivalent focal length efl: an object at infinity, at a small angle t (rad) from the axis, has its
+    /// image at the height efl * t. It is negative for a diverging lens. If the medium behind the lens has
+    /// the refractive index n', the rear focal length is n' * efl.
     double efl_mm = 0;
     double bfl_mm = 0;               ///< z of the rear focal point
     double ffl_mm = 0;               ///< z of the front focal point; negative in front of the lens

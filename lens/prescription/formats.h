@@ -12,7 +12,9 @@
 
 namespace postlens {
 
-// `file` is the file name for error messages. All parsers throw Error(invalid_input) "FILE:LINE: ...".
+// Parsers of lens files in four formats: .dat, .zmx, .seq and .toml. `text` is the content of a file, and
+// `file` is its name for error messages. If the text is invalid, they throw Error(invalid_input) with a
+// message that begins with "FILE:LINE: ".
 [[nodiscard]] Prescription parse_dat(const std::string& text, const std::string& file);
 [[nodiscard]] Prescription parse_zmx(const std::string& text, const std::string& file);
 [[nodiscard]] Prescription parse_seq(const std::string& text, const std::string& file);

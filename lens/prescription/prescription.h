@@ -73,15 +73,14 @@ struct Prescription {
 /// Returns "FILE:LINE" of a surface, for error messages.
 [[nodiscard]] std::string place_of(const Prescription& lens, std::size_t surface);
 
-/// Returns a hash of the numbers that determine the paths of rays at the prescription's wavelength.
+/// Returns a hash of the numbers of `lens` that determine the paths of rays through it. Refractive indices
+/// enter the hash at one wavelength, which the prescription states.
 [[nodiscard]] std::uint64_t fingerprint(const Prescription& lens);
 
 /// Repairs neighbouring surfaces that cross each other within their clear radii. If they overlap by more than
-/// 1 % of the clear radii, both radii are reduced to the radius at which the surfaces meet. A note for the
-/// user is added to `lens.notes`.
-///
-/// If the surfaces meet within 1 % of their clear radii from the axis, almost no opening would remain. Such
-/// surfaces stay unchanged, and check_prescription rejects them.
+/// 1 % of the clear radii, both radii are reduced to the radius at which the surfaces meet, and a note for
+/// the user is added to `lens.notes`. Surfaces that meet closer to the axis than 1 % of their clear radii
+/// stay unchanged, and check_prescription rejects them.
 void clip_crossings(Prescription& lens);
 
 /// Throws Error(invalid_input) "FILE:LINE: ..." unless:

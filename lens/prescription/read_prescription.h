@@ -7,11 +7,11 @@
 
 namespace postlens {
 
-/// Reads a lens prescription from a file (docs/lens_prescriptions.md). The file name's extension selects the
-/// format: .dat (pbrt), .zmx (Zemax), .seq (CODE V) or .toml (our own format).
+/// Reads a lens prescription from a .dat (pbrt), .zmx (Zemax), .seq (CODE V) or .toml (our own format) file,
+/// as its extension says (docs/lens_prescriptions.md). The returned prescription has passed
+/// `check_prescription` and is not afocal.
 ///
-/// The returned prescription has passed `check_prescription` and is not afocal. Throws Error(invalid_input)
-/// with a message of the form "FILE:LINE: what (got X; expected Y)".
+/// Throws Error(invalid_input) with a message of the form "FILE:LINE: what (got X; expected Y)".
 [[nodiscard]] Prescription read_prescription(const std::filesystem::path& path);
 
 /// Returns true for a lens prescription: a .dat, .zmx or .seq file, or a readable .toml file with [[surface]]

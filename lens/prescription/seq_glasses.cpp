@@ -91,7 +91,8 @@ void SeqGlasses::define(int line, const std::string& key, const SeqWords& words)
         for (std::size_t i = 1; i < words.size(); ++i)
             wavelengths_nm_.push_back(seq_number(file_, line, words, i, "wavelength"));
     } else {
-        // If a glass cannot be read, only stores the reason. It becomes an error if a surface uses the glass.
+        // Reads the definition of a glass. If it is invalid, only the reason is stored. It is reported later
+        // if a surface uses the glass.
         std::vector<double> n;
         const bool named = words.size() > 1 && !parse_number(words[1]);
         const std::string formula = named ? upper_case(words[1]) : "";

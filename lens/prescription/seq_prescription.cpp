@@ -18,8 +18,9 @@ namespace {
 class SeqReader {
   public:
     explicit SeqReader(const std::string& file) : glasses_(file) { lens_.file = file; }
-    /// Reads one command of the file. The first pass (`glasses` is true) reads only glass definitions, and
-    /// the second pass all other commands.
+    /// Reads one command of the CODE V lens file. The file is read in two passes, because a command may use a
+    /// glass that is defined only later. In the first pass, `glasses` is true, and only glass definitions are
+    /// read. In the second pass, all other commands are read.
     void command(int line, const SeqWords& words, bool glasses);
     Prescription finish();
 
@@ -47,7 +48,8 @@ class SeqReader {
     SeqGlasses glasses_;
 };
 
-// Returns the surface that a command names, as in "S3", or else the latest surface.
+// Returns the surface to which a CODE V command refers: the one that it names, as in "S3", or else the one
+// that the file described last.
 Surface& SeqReader::addressed(const SeqWords& words, std::size_t& next) {
     std::size_t at = current_;
     if (next < words.size() && words[next].size() > 1 && std::toupper(words[next][0]) == 'S') {
@@ -138,8 +140,7 @@ bool SeqReader::surface_command(const std::string& key, const SeqWords& words) {
 }
 
 // Reads the CODE V command CIR, which states the clear radius of a surface. Its form is CIR [Sk] [Zi]
-// [CLR|EDG|OBS|HOL] radius. Sk selects the surface, and CLR or EDG tells whether the radius is that of the
-// clear aperture or of the glass edge. The words before the radius may be in any order.
+// [CLR|EDG|OBS|HOL] radius, where Sk selects the surface. The words before the radius may be in any order.
 void SeqReader::clear_radius(const SeqWords& words) {
     std::size_t next = 1;
     Surface* s = &addressed(words, next);
@@ -157,7 +158,8 @@ void SeqReader::clear_radius(const SeqWords& words) {
 
 void SeqReader::system_command(const std::string& key, const SeqWords& words) {
     if (key == "RDM") {
-        // The commands RDM and "RDM Y" select radii of curvature, and "RDM N" selects curvatures.
+        // After the commands RDM or "RDM Y", the file describes surfaces by their radii of curvature. After
+        // "RDM N", it describes them by curvatures (1 / radius).
         by_radius_ = words.size() < 2 || upper_case(words[1]) != "N";
     } else if (key.starts_with("TIT")) {
         if (words.size() > 1) lens_.name = std::string(words[1].substr(0, 200));
@@ -240,8 +242,8 @@ Prescription SeqReader::finish() {
         s.clear_radius_mm *= mm_per_unit_;
         lens_.surfaces.push_back(s);
     }
-    // The film distance is the last thickness plus the defocus, which CODE V stores as the image surface's
-    // thickness.
+    // The film distance is the sum of two thicknesses in the file: that of the last lens surface, and that of
+    // the image surface, `all_.back()`. CODE V uses the thickness of the image surface to store the defocus.
     const double film = lens_.surfaces.back().thickness_mm + all_.back().thickness_mm * mm_per_unit_;
     if (film != 0) lens_.film_distance_mm = film;
     // If no command defines the stop, CODE V uses the first surface.

@@ -26,7 +26,8 @@ using SeqWords = std::vector<std::string_view>;
 [[nodiscard]] double seq_number(const std::string& file, int line, const SeqWords& words, std::size_t i,
                                 std::string_view what);
 
-/// Throws Error(invalid_input) for a command that describes more than a lens of centred surfaces.
+/// Throws Error(invalid_input) for a command of a CODE V lens file that cannot be read, because it describes
+/// more than a lens of surfaces centred on one axis.
 [[noreturn]] void seq_unsupported(const std::string& file, int line, std::string_view what);
 
 }  // namespace postlens

@@ -14,7 +14,8 @@ using Glasses = std::map<std::string, Glass, std::less<>>;
 
 constexpr std::array<Name, 4> medium_keys{"index", "nd", "vd", "sellmeier"};
 
-// Reads a medium from a table. Returns nothing if the table describes none.
+// Reads a medium (a glass or another material) from a table of a TOML lens file. Returns nothing if the table
+// contains no key for a medium, such as "index" or "nd".
 std::optional<Glass> medium(const TomlTable& table, const std::string& name) {
     table.refuse_both("index", "nd");
     table.refuse_both("index", "sellmeier");

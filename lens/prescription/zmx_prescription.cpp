@@ -200,18 +200,17 @@ void ZmxReader::finish_surface(ZmxSurface& from) {
     s.clear_radius_mm *= mm_per_unit_;
     if (!from.aperture_radius && !s.is_stop && s.glass.is_air() && s.curvature_per_mm == 0 &&
         (lens_.surfaces.empty() || lens_.surfaces.back().glass.is_air())) {
-        // A plane surface with air on both sides is only a reference plane and blocks no light. So the
-        // diameter that the file states is ignored.
+        // If a plane surface has air on both sides and the file states no aperture for it, it is only a
+        // reference plane and blocks no light. The diameter that the file states for it is therefore ignored.
         s.clear_radius_mm = HUGE_VAL;
     }
     if (from.type == "EVENASPH") {
         double power = mm_per_unit_;
         for (std::size_t i = 0; i < 8; ++i) {
             const auto found = from.parameters.find(static_cast<int>(i) + 1);
-            // Converts the coefficients of an asphere to mm. The file's unit of length is U mm
-            // (`mm_per_unit_`). In this unit, the file states the coefficient a_i of r^(2i). The sag is a
-            // length, and r^(2i) is the (2i)th power of a length. Therefore, the coefficient for mm is a_i U
-            // / U^(2i).
+            // Converts the coefficients of an asphere to mm. In the file's unit of length, which is U mm
+            // (`mm_per_unit_`), the sag is a sum of terms a_i r^(2i). Therefore, the coefficient for mm is
+            // a_i U / U^(2i).
             power /= mm_per_unit_ * mm_per_unit_;
             if (found != from.parameters.end()) s.asphere[i] = found->second * power;
         }
@@ -238,9 +237,9 @@ Prescription ZmxReader::finish() {
         *lens_.entrance_pupil_diameter_mm *= mm_per_unit_;
         lens_.f_number.reset();
     }
-    // The file lists fields, which are positions of object points. All of them are either angles or heights,
-    // as the file's key FTYP says. When the fields were read, FTYP was possibly not yet known, so their
-    // numbers were stored as angles. If they are heights, all these numbers are therefore discarded.
+    // The fields in a .zmx file are positions of object points, either angles or heights. All were stored as
+    // angles first, because the key FTYP, which tells the kind, may follow them. If they are heights, they
+    // are discarded.
     if (!fields_are_angles_) lens_.field_angles_deg.clear();
     const auto wavelength = wavelengths_nm_.find(primary_);
     if (wavelength != wavelengths_nm_.end()) lens_.wavelength_nm = wavelength->second;

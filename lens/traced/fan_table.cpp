@@ -57,10 +57,9 @@ FanTable::Place FanTable::place(double inverse_depth_per_m, double tangent) cons
     Place out;
     out.depth = static_cast<std::size_t>(std::clamp(std::floor(d), 0.0, static_cast<double>(depths - 2)));
     out.field = static_cast<std::size_t>(std::min(std::floor(f), static_cast<double>(fields - 2)));
-    // `depth_part` is the distance of the inverse depth d from the table's grid point `out.depth`, in table
-    // steps. Between two grid points, it is between 0 and 1, and the impulse response is interpolated. Beyond
-    // the table's first or last inverse depth, the impulse response is extrapolated linearly instead.
-    // Limiting the extrapolation to 1000 steps keeps the results finite.
+    // `depth_part` is the distance of the inverse depth d from the table's entry `out.depth`, in steps of the
+    // table. If it is not between 0 and 1, fans (bundles of rays from one object point) are extrapolated
+    // linearly. Limiting this to 1000 steps keeps the results finite.
     out.depth_part = std::clamp(d - static_cast<double>(out.depth), -1e3, 1e3);
     out.field_part = f - static_cast<double>(out.field);
     return out;
@@ -71,9 +70,9 @@ PupilFan FanTable::fan(double inverse_depth_per_m, double tangent) const {
     const PupilFan* corner[4] = {&fans_[p.depth * fields + p.field], &fans_[p.depth * fields + p.field + 1],
                                  &fans_[(p.depth + 1) * fields + p.field],
                                  &fans_[(p.depth + 1) * fields + p.field + 1]};
-    // At depths outside the table, fans are extrapolated, but only the points where their rays land on the
-    // film. The rays' positions in the pupil and the light that they carry change little with depth.
-    // Therefore, these values are taken from the table's nearest depth, by limiting `depth_part` to [0, 1].
+    // At depths outside the table, only the landing points of the rays on the film are extrapolated. The
+    // positions of the rays in the pupil and the light that they carry change little with depth. Therefore,
+    // both are taken from the table's nearest depth, by limiting `depth_part` to [0, 1].
     const double inside = std::clamp(p.depth_part, 0.0, 1.0);
     PupilFan out;
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {
@@ -93,9 +92,9 @@ double FanTable::light(double tangent) const {
     return glm::mix(light_[p.field], light_[p.field + 1], p.field_part);
 }
 
-// Returns an upper bound of a quantity that is tabulated over the inverse depth, as `values`. Between two
-// table entries, the bound is the larger of them. Beyond the end of the table, it grows linearly with the
-// distance from the end, because fans are extrapolated there.
+// Returns an upper bound of a quantity at an inverse depth. `values` contains the quantity for each inverse
+// depth of the table. Beyond the table's ends, the bound grows linearly, because fans are extrapolated
+// linearly.
 double FanTable::of_depth(const std::vector<double>& values, double inverse_depth_per_m) const {
     const Place p = place(inverse_depth_per_m, 0);
     const double low = values[p.depth], high = values[p.depth + 1];

@@ -9,32 +9,29 @@
 
 namespace postlens {
 
-/// A table of fans. The object points of the table lie on a grid of inverse depths and of tangents of the
-/// angle from the axis.
+/// A table of fans. A fan is the bundle of rays from one object point that pass the lens. The object points
+/// form a grid of inverse depths and of tangents of the angle from the lens axis. Between them, fans are
+/// interpolated linearly (errors in docs/lens.md). For nearer points, they are extrapolated.
 ///
-/// For object points between the grid's points, fans are interpolated linearly (errors in docs/lens.md).
 /// Results are bit-identical for any number of threads.
 class FanTable {
   public:
-    /// Traces the table's fans for a grid of object points.
-    /// - Their inverse depths extend from 0 to the inverse focus distance or to largest_inverse_depth_per_m,
-    ///   whichever is larger.
+    /// Traces the fans of the table for a grid of object points.
+    /// - The inverse depths of the object points extend from 0 to the inverse focus distance or to
+    ///   largest_inverse_depth_per_m, whichever is larger.
     /// - The tangents of their angles from the axis extend from 0 to `widest_tangent`.
-    ///
-    /// The fan of a point that is nearer than all points of the grid is extrapolated.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
-    /// Returns the light that a pixel receives from a uniform scene, relative to the centre pixel. `tangent`
-    /// is the tangent of the pixel's angle from the axis.
+    /// Returns the light that a pixel receives from a uniformly bright scene, relative to the centre pixel.
+    /// `tangent` is the tangent of the pixel's angle from the axis.
     [[nodiscard]] double light(double tangent) const;
     /// Returns an upper bound of the blur kernel's radius for object points at an inverse depth, in 1/m. The
     /// radius is given as a fraction of the film distance, so it does not depend on the pixel size.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// Returns an upper bound of how fast the blur kernel changes over the image, at one inverse depth. The
-    /// kernel consists of the landing points of rays, relative to the pinhole image of the object point. If
-    /// the object point is moved so that its pinhole image moves by 1 px, none of these relative landing
-    /// points moves by more than the returned number of px.
+    /// Returns an upper bound of how fast the blur kernel changes over the image, at one inverse depth. If an
+    /// object point's pinhole image moves by 1 px, the landing point of each ray relative to this image moves
+    /// by at most the returned number of px.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

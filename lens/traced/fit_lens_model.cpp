@@ -36,16 +36,17 @@ class LandingResidual : public ceres::SizedCostFunction<1, static_cast<int>(poly
     double mm_;
 };
 
-// Residual of the fit of the modelled pupil, which is the intersection of three circles. `at` is a point on
-// the edge of the traced pupil. The residual is the signed distance from this point to the modelled pupil's
-// edge, in pupil radii. It is positive outside. This is the largest of the signed distances to the three
-// circles.
+// Residual of the fit of the modelled pupil to the traced pupil. It is the signed distance of `at`, a point
+// on the edge of the traced pupil, from the edge of the modelled pupil. The distance is in pupil radii, and
+// positive outside.
 struct EdgeResidual {
     dvec2 at;
     double T = 0, K = 0;
     template <typename Number>
     bool operator()(const Number* circles, Number* residual) const {
         using std::sqrt;
+        // The modelled pupil is the intersection of three circles, so the residual is the largest of the
+        // signed distances from these circles.
         bool first = true;
         for (int i = 0; i < 3; ++i) {
             const Number* c = circles + circle_numbers * i;
@@ -77,10 +78,11 @@ void solve(ceres::Problem& problem, const char* what) {
     }
 }
 
-// Fits the model of the pupil, the intersection of three circles, to the pupil of the traced lens. The traced
-// pupil's edge passes between two neighbouring rays of which only one passes the lens. So for each such pair,
-// a residual is added: the deviation of the model's edge from the midpoint between the two rays.
-// - T, K: field tangent and defocus, each divided by its largest value
+// Adds residuals that fit the modelled pupil to the traced pupil. If one of two neighbouring rays in `mesh`
+// passes the lens and the other does not, the residual is the distance of the modelled edge from the midpoint
+// between the two rays.
+// - T, K: tangent of the object point's angle from the axis, and its defocus, each divided by its largest
+//   value
 // - radius_mm: pupil radius, the unit of the circles
 void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres::Problem& problem,
               double* circles) {
@@ -114,11 +116,11 @@ std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const Trac
     const auto rim = [&](std::size_t surface, PupilCircle& circle) {
         const double clear = stack.clear_radius_mm(surface);
         if (!std::isfinite(clear) || surface == stack.stop()) return;
-        // Projects the rim of this lens surface to the entrance pupil, as a circle of the pupil model. A
-        // paraxial ray that crosses the entrance pupil at the height q, with the field tangent t, meets the
-        // surface at a height of the form a q - b t. The ray with q = 1 and t = 0 gives the factor a. The ray
-        // with q = 0 and t = -1 gives b.
+        // Projects the rim of this lens surface to the entrance pupil, where it becomes one of the pupil
+        // model's three circles. A paraxial ray through the pupil at the height q meets the surface at the
+        // height a q - b t, where t is the tangent of the ray's angle from the axis.
         const double z = f.entrance_pupil_z_mm;
+        // Two rays are traced to find a and b: one with q = 1 and t = 0, and one with q = 0 and t = -1.
         const double a = paraxial_ray(lens, traced.wavelength_nm(), {1, 0}, surface).y_mm;
         const double b = paraxial_ray(lens, traced.wavelength_nm(), {-z, 1}, surface).y_mm;
         if (std::abs(a) < 1e-6) return;

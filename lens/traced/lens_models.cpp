@@ -23,10 +23,9 @@ const char* name_of(LensModelKind kind) {
 void PolynomialLens::terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
                            std::array<double, polynomial_terms>& y) {
     const double r2 = u * u + v * v, T2 = T * T;
-    // `of_x` and `of_y` are the terms of two polynomials, which predict the coordinates x and y of a ray's
-    // landing point on the film. The terms describe defocus, field curvature, astigmatism, spherical
-    // aberration and coma. The lens is mirror symmetric, so x is odd in the pupil coordinate u, and y is
-    // even. `of_x` therefore omits a factor u, which is applied below.
+    // `of_x` and `of_y` are the terms of two polynomials, which predict where a ray that crosses the pupil at
+    // (u, v) lands on the film. Because the lens is symmetric, every term of x contains an odd power of u. In
+    // `of_x`, a factor u is left out, which is multiplied below.
     const std::array<double, pupil_terms> of_x{
         1,          T2,         T2 * T2,    r2,           r2 * T2,         r2 * r2,     v * T,
         v * T * T2, v * T * r2, v * v * T2, r2 * T2 * T2, v * T * T2 * T2, r2 * r2 * r2};
@@ -72,8 +71,9 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         const double inverse = 1 / a_m * (1 - share) + 1 / b_m * share;
         out.depths_m.push_back(inverse > 0 ? 1 / inverse : b_m);
     }
-    // Returns how far from the film centre the chief ray (through the centre of the stop) lands, or infinity
-    // if it is blocked.
+    // Returns how far from the film centre the chief ray of an object point at infinity lands. The chief ray
+    // passes through the centre of the stop. The object point's angle from the axis is given by its tangent.
+    // If the ray is blocked, the result is infinity.
     const auto height = [&lens](double tangent) {
         const auto aim = lens.aim_at_stop(HUGE_VAL, {0, tangent});
         if (!aim) return HUGE_VAL;
@@ -81,8 +81,9 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         if (!lens.stack().forward(ray, Apertures::ignored).passes()) return HUGE_VAL;
         return std::abs(lens.on_film(ray).y);
     };
-    // Searches for the field angle at which the chief ray lands field_mm from the film centre. Stops earlier
-    // if a larger angle does not land farther out. Takes steps of one degree, then bisects.
+    // Searches for the field angle (angle of an object point from the axis) at which the chief ray lands
+    // field_mm from the film centre. The angle grows in steps of one degree, and is then refined by
+    // bisection. The search ends early if the ray is blocked or does not land farther out.
     double low = 0, reached_mm = 0;
     const auto grows = [&](double tangent) {
         const double mm = height(tangent);
@@ -129,10 +130,9 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
     };
     thick_at_infinity_ = landing(0);
     thick_per_depth_m_ = 1e-3 * (landing(1) - landing(0));
-    // `own` is the inverse focus distance, in 1/m, that follows from the position of the film: paraxial rays
-    // from an axial object point at this inverse distance meet on the film. So the landing height
-    // thick_at_infinity_ + thick_per_depth_m_ * own is 0. If the settings give a focus distance, `own` is not
-    // used.
+    // `own` is the inverse focus distance, in 1/m, to which the film's position corresponds. A paraxial ray
+    // from an object point on the axis, at the inverse depth x, meets the film at the height
+    // thick_at_infinity_ + thick_per_depth_m_ x. This height is 0 for a point in focus.
     const double own = -thick_at_infinity_ / thick_per_depth_m_;
     const auto set = traced.settings().focus_distance_m;
     inverse_focus_per_m_ = set ? 1 / *set : std::abs(own) < 1e-9 ? 0 : own;
@@ -187,9 +187,9 @@ double LensModels::error_mm(LensModelKind kind, double depth_m, double tangent) 
             }
         }
     }
-    // `one` holds the rays that pass only the traced lens or only its model. Their error is estimated: their
-    // landing point on the film is compared with the traced landing point of the nearest ray in the pupil
-    // that passes both.
+    // `one` contains the rays that pass either the traced lens or the lens model, but not both. Such a ray
+    // has no second landing point for comparison. Therefore, its landing point is compared with the traced
+    // landing point of the nearest ray in the pupil that passes both.
     for (const Node& node : one) {
         dvec2 off = node.film;
         double nearest = HUGE_VAL;

@@ -29,18 +29,18 @@ struct ModelRay {
     bool passes = false;
 };
 
-/// Number of terms of the polynomial lens model, which predicts where a ray lands on the film. The polynomial
-/// has three variables. u and v give the ray's point in the pupil, in pupil radii, with v along the field. T
-/// is the tangent of the object point's angle from the axis, divided by the largest tangent.
+/// Number of terms of the polynomial lens model, which predicts where a ray lands on the film. Its variables
+/// are the ray's point (u, v) in the pupil, in pupil radii, and T, the tangent of the object point's angle
+/// from the axis, divided by its largest value.
 inline constexpr std::size_t pupil_terms = 13;
-/// The polynomial lens model contains each of the pupil_terms terms twice: once alone, and once multiplied by
-/// the defocus K. K is 1/z' - 1/s, for the object's depth z' and the focus distance s, divided by the largest
-/// defocus.
+/// Number of coefficients of the polynomial lens model, for each coordinate of a ray's landing point. Each of
+/// the pupil_terms terms occurs twice: once alone, and once multiplied by K, the defocus 1/z' - 1/s of the
+/// object point divided by the largest defocus.
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
-/// One of the three circles whose intersection is the pupil of the polynomial lens model. Its centre and
-/// radius, in pupil radii, depend on T (field tangent, divided by the largest field tangent) and K (defocus,
-/// divided by the largest defocus).
+/// A circle in the pupil of the polynomial lens model. Rays pass the lens if they lie in all of three such
+/// circles. The circle's centre and radius, in pupil radii, depend on T, the tangent of the object point's
+/// angle from the axis, and on its defocus K, each divided by its largest value.
 /// - Centre: (0, (shift + shift_by_depth K) T + bend T^3).
 /// - Radius: radius + radius_by_depth K + growth T^2.
 struct PupilCircle {
@@ -58,9 +58,9 @@ struct PolynomialLens {
     std::array<double, polynomial_terms> x_mm{}, y_mm{};
     std::array<PupilCircle, 3> circles{};
 
-    /// Computes where a ray lands on the film according to this model. The ray starts at an object point with
-    /// the depth depth_m > 0. In the direction +y, this point has an angle from the axis whose tangent is
-    /// `tangent` >= 0. The ray crosses the plane of the paraxial entrance pupil at `pupil_mm`.
+    /// Computes where a ray lands on the film according to this polynomial model. The ray starts at an object
+    /// point above the axis, in the direction +y. `tangent` >= 0 is the tangent of this point's angle from
+    /// the axis. The ray crosses the plane of the paraxial entrance pupil at `pupil_mm`.
     [[nodiscard]] ModelRay ray(double depth_m, double tangent, glm::dvec2 pupil_mm) const;
     /// Evaluates the polynomial's terms for the landing point's x and y.
     static void terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
@@ -73,10 +73,11 @@ struct LensModelRange {
     std::vector<double> tangents;  ///< >= 0, along +y
 };
 
-/// Returns a range of object points, for which a lens model is fitted or tested.
+/// Returns a range of object points for which a lens model is fitted or tested. They form a grid of depths
+/// and field tangents.
 /// - Depths: `count` values from a_m to b_m, which may be infinite, in equal steps of inverse depth.
-/// - Field tangents: `count` tangents of the angle from the axis, beginning with 0. At the largest tangent,
-///   the chief ray lands at the distance field_mm from the film centre.
+/// - Field tangents: `count` tangents of the angle from the axis, from 0 to a largest one. For this one, the
+///   chief ray (through the stop's centre) lands at the distance field_mm from the film centre.
 ///
 /// Throws Error(wrong_arguments) unless 0 < a_m < b_m, or if no chief ray lands at field_mm.
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
@@ -89,21 +90,21 @@ class LensModels {
     LensModels(const Prescription& lens, const TracedLens& traced);
     void set_polynomial(const PolynomialLens& model) { polynomial_ = model; }
 
-    /// Returns where a ray lands on the film according to one of the lens models. The ray starts at the
-    /// object point with the depth `depth_m` and the angle from the axis whose tangent is `tangent`. It
-    /// crosses the entrance pupil at `pupil_mm`. Call set_polynomial before using the polynomial model.
+    /// Returns where a ray lands on the film according to the lens model `kind`. `tangent` is the tangent of
+    /// the object point's angle from the axis. The ray crosses the entrance pupil at `pupil_mm`. Call
+    /// set_polynomial before using the polynomial model.
     [[nodiscard]] ModelRay ray(LensModelKind kind, double depth_m, double tangent, glm::dvec2 pupil_mm) const;
 
     /// Returns the error of a lens model for one object point, in mm. It is the RMS distance on the film
-    /// between the landing points that the model predicts and those of traced rays. The rays form a uniform
-    /// grid in the pupil. All landing points are relative to that of the chief ray.
+    /// between the landing points that the model predicts and those of traced rays. All landing points are
+    /// relative to that of the chief ray.
     [[nodiscard]] double error_mm(LensModelKind kind, double depth_m, double tangent) const;
     /// Returns a lens model's largest error, in mm, over all depths and field positions of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// Coefficients of the thick-lens model, which predicts landing points by paraxial optics. An object
-    /// point at depth z' (in m, along the axis from the pinhole) sends a ray through the pupil point p (mm).
-    /// Relative to the chief ray, this ray lands on the film at
+    /// Coefficients of the thick-lens model, which predicts by paraxial optics where rays land on the film. A
+    /// ray from an object point at the depth z', in m, crosses the entrance pupil at the point p, in mm from
+    /// its centre. Relative to the chief ray, it lands at
     ///
     ///     p * (thick_at_infinity() + thick_per_depth_m() / z')
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }
@@ -119,8 +120,7 @@ class LensModels {
 };
 
 /// Fits the polynomial model to a traced lens, by least squares. The rays for the fit start at object points
-/// with the depths and field angles of `range`. The model's pupil is the intersection of three circles. The
-/// fit of these circles starts with the paraxial images of the stop and the lens rims.
+/// with the depths and field angles of `range`.
 ///
 /// Equal input gives bit-identical results.
 [[nodiscard]] PolynomialLens fit_polynomial_lens(const Prescription& lens, const TracedLens& traced,

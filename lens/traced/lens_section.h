@@ -25,9 +25,9 @@ struct LensSection {
     double height_mm = 0;   ///< largest distance of these curves from the axis
 };
 
-/// Computes the cross section of a lens, with `rays` rays from each object point at depth_m. `fields` gives
-/// the tangents of the points' angles from the axis. Surfaces without a clear radius are drawn as wide as the
-/// rays need.
+/// Computes the cross section of a lens with rays through it, `rays` from each object point at the depth
+/// depth_m. `fields` contains the tangent of each object point's angle from the axis. Surfaces for which no
+/// clear radius is known are drawn as wide as the rays need.
 [[nodiscard]] LensSection lens_section(const Prescription& lens, const TracedLens& traced, double depth_m,
                                        const std::vector<double>& fields, int rays);
 

@@ -50,17 +50,15 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
     const dvec3 d = ray.direction;
     dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame, with the vertex at the origin
     // If the ray's origin p is very far from the lens surface, rounding makes the intersection imprecise.
-    // Therefore, p is moved along the ray to the point that is nearest to the surface's vertex, which is the
-    // origin of these coordinates. This step has a rounding error too, so it is repeated once from the new
-    // point.
+    // Therefore, p is moved along the ray to the point that is nearest to the surface's vertex. This step has
+    // a rounding error too, so it is repeated once.
     constexpr double far_in_radii = 100;
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
-    // Finds the distance t at which the ray p + t d meets the lens surface, which has the equation c (x^2 +
-    // y^2 + q z^2) - 2 z = 0 [welford1986, 4.3]. c is the curvature at the vertex, q is 1 plus the conic
-    // constant e.k, and d is a unit vector. Inserting the ray into the equation gives a t^2 - 2 b t + f = 0,
-    // with the coefficients a, b and f below.
+    // Finds the distance t at which the ray p + t d meets the lens surface c (x^2 + y^2 + q z^2) - 2 z = 0
+    // [welford1986, 4.3]. c is the curvature at the vertex. Inserting the ray into this equation gives a t^2
+    // - 2 b t + f = 0, with the coefficients a, b and f below.
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;
@@ -68,9 +66,9 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
     bool met = discriminant >= 0;
     if (met) {
         const double root = sign * std::sqrt(discriminant);
-        // The equation a t^2 - 2 b t + f = 0 has the solution t = f / (b + root) = (b - root) / a. Both forms
-        // are equal, but if b and `root` nearly cancel, rounding falsifies their sum or difference.
-        // Therefore, the form is used in which they do not cancel.
+        // Moves p along the ray to the lens surface, by the distance t that solves a t^2 - 2 b t + f = 0. The
+        // solution has two forms, f / (b + root) and (b - root) / a. If b and `root` nearly cancel in one of
+        // them, the other is used, because it is more precise.
         const double divisor = b * sign >= 0 ? b + root : a;
         if (divisor != 0) p += (b * sign >= 0 ? f : b - root) / divisor * d;
         met = divisor != 0 || f == 0;
@@ -79,8 +77,9 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         met = met && 1 - e.c * q * p.z > 0;
     }
     if (e.is_asphere) {
-        // The even polynomial of an asphere displaces the surface along z. Newton's method starts at the
-        // intersection with the conic.
+        // An aspheric surface is a conic that an even polynomial displaces along z. So far, p is the ray's
+        // intersection with the conic alone. From there, Newton's method finds the intersection with the
+        // displaced surface.
         constexpr int most_steps = 32;
         constexpr double close_mm = 1e-10;
         double miss = 0;
@@ -112,7 +111,8 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         normal /= length;
     }
     ray.origin = p + dvec3(0, 0, e.z);
-    // If p is NaN, `inside` is false, so the ray counts as vignetted.
+    // `inside` tells whether the ray meets the surface, at the point p, within the clear radius. If p is not
+    // a number (NaN), `inside` is false, so the ray counts as vignetted.
     const bool inside = p.x * p.x + p.y * p.y <= e.radius_squared;
     if (apertures == Apertures::respected && !inside) return RayFate::vignetted;
     return RayFate::passes;

@@ -45,8 +45,9 @@ enum class Apertures : bool { ignored, respected };
 /// Tracing neither allocates nor throws. Many threads may trace at once.
 class LensStack {
   public:
-    /// `lens` must have passed check_prescription. If `stop_radius_mm` is infinite, the aperture stop opens
-    /// to its clear radius.
+    /// Prepares a lens for tracing rays at one wavelength. `lens` must have passed check_prescription.
+    /// `stop_radius_mm` is the radius of the opening in the aperture stop. If it is infinite, the stop is
+    /// fully open, with the clear radius that `lens` states for the stop's surface.
     LensStack(const Prescription& lens, double wavelength_nm, double stop_radius_mm);
 
     [[nodiscard]] std::size_t size() const { return elements_.size(); }
@@ -56,10 +57,9 @@ class LensStack {
     [[nodiscard]] std::size_t stop() const { return stop_; }
     [[nodiscard]] double stop_radius_mm() const { return stop_radius_mm_; }
 
-    /// Traces a ray from the scene to the film. `ray` becomes the ray behind the last lens surface, or, if it
-    /// does not pass, in front of the surface where it ends.
-    ///
-    /// `hits` is empty, or has size() elements that receive the intersections.
+    /// Traces a ray from the scene to the film. On return, `ray` is the ray behind the last lens surface, or
+    /// in front of the surface at which it ends. `hits` is either empty or has size() elements, which receive
+    /// the points where the ray meets the surfaces.
     RayEnd forward(LensRay& ray, Apertures apertures = Apertures::respected,
                    std::span<glm::dvec3> hits = {}) const noexcept;
     /// Traces a ray from the film to the scene, like `forward`. direction.z must be negative.

@@ -12,10 +12,12 @@ using glm::dvec2;
 
 namespace {
 
-/// Number of rays that are traced to tabulate the distortion of the lens. Cubic interpolation between the
-/// tabulated points has a relative error below 1e-7.
+/// Number of chief rays (rays through the stop's centre) that are traced to measure the distortion of the
+/// lens. With this many rays, cubic interpolation in the distortion table has a relative error below 1e-7.
 constexpr std::size_t chief_rays = 257;
-/// Field tangent (tangent of the angle from the axis) at which the paraxial image scale is measured.
+/// Tangent of a small angle from the axis, at which the image scale of the lens without distortion is
+/// measured. The image scale is the distance of an image point from the film centre per tangent of the object
+/// point's angle.
 constexpr double small_tangent = 1e-4;
 
 // Returns how far from the film centre, in mm, the chief ray of an object point lands. The chief ray is the
@@ -66,9 +68,8 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
         double r = chief_radius_mm(lens, lens.settings().focus_distance_m.value_or(HUGE_VAL),
                                    tangent_step_ * static_cast<double>(i));
         // r is the distance from the film centre at which the chief ray lands, for a given field angle. If
-        // the chief ray cannot pass the lens surfaces, or if r does not grow with the angle, the image is
-        // black at this angle. There, the table of r over the angle is continued linearly. So r increases
-        // throughout, and the table can be inverted.
+        // the chief ray cannot pass the lens surfaces, or if r does not grow with the angle, the table of r
+        // is continued linearly, so that it can be inverted.
         if (!(r > before)) {
             r = i == 1 ? film_scale_mm_ * tangent_step_ : 2 * before - film_radius_[i - 2];
         }
@@ -95,13 +96,14 @@ double LensView::light(double tangent) const {
             (weight(middle + a / 2.0) + weight(middle + b / 2.0) + weight(middle + (a + b) / 2.0)) / 3;
         sum += std::abs(a.x * b.y - a.y * b.x) / 2 * mean;
     }
-    // The sum covers one half of the region of lens points through which rays pass. The region is symmetric
-    // about x = 0, so the other half receives the same light.
+    // `sum` is the light through one half of the region of lens points. The region is symmetric about x = 0,
+    // so the other half transmits the same light.
     return 2 * sum;
 }
 
-// Evaluates the distortion curve (film radius over field tangent) by Catmull-Rom interpolation. Beyond its
-// last point, the curve is linear.
+// Returns how far from the film centre, in mm, the chief ray of an object point lands. `tangent` is the
+// tangent of the point's angle from the axis. The result is interpolated in the distortion curve, which is
+// continued linearly beyond its last entry.
 double LensView::film_radius_mm(double tangent) const noexcept {
     const double at = tangent / tangent_step_;
     const std::size_t last = film_radius_.size() - 1;
@@ -141,8 +143,8 @@ dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
 bool LensView::ray(dvec2 tangent, dvec2 uv, ViewRay& out) const noexcept {
     const double t = glm::length(tangent);
     // Converts the direction that a pixel shows to a point on the film. The lens rotates the image by 180
-    // degrees, which changes the signs of both coordinates. Besides, y points down on the raster but up on
-    // the film, which changes the sign of y a second time. Therefore, only the sign of x changes in total.
+    // degrees, which changes the signs of both coordinates. But y points down on the raster and up on the
+    // film, so only the sign of x changes in total.
     const double scale = t > 0 ? film_radius_mm(t) / t : 0;
     SceneRay scene;
     if (!lens_->scene_ray({-scale * tangent.x, scale * tangent.y}, uv, scene)) return false;

@@ -29,8 +29,8 @@ struct ViewRay {
 /// A view through a lens whose distortion is corrected: points in the focus plane appear where the pinhole
 /// image shows them. Vignetting and blur of the lens remain.
 ///
-/// With Framing::keep, the view shows the same field of view as the pinhole image. For this, the size of the
-/// film is scaled to the image that the lens forms.
+/// With Framing::keep, the film is made larger or smaller, so that the view shows the same part of the scene
+/// as the pinhole image.
 class LensView {
   public:
     /// Throws Error(wrong_arguments) if `settings.film` is out of range. Also throws the errors of
@@ -45,8 +45,8 @@ class LensView {
     [[nodiscard]] double film_scale_mm() const { return film_scale_mm_; }
 
     /// Computes the ray in the scene whose light reaches a pixel through one point of the lens. `tangent` is
-    /// the pixel's direction (x/z', y/z'), and `uv` in [0, 1)^2 selects the lens point
-    /// (TracedLens::scene_ray). Returns false if the lens blocks the ray. Does not allocate memory.
+    /// the direction that the pinhole sees in this pixel: (x, y) divided by the depth z'. `uv` in [0, 1)^2
+    /// selects the lens point. Returns false if the lens blocks the ray. Does not allocate memory.
     [[nodiscard]] bool ray(glm::dvec2 tangent, glm::dvec2 uv, ViewRay& out) const noexcept;
 
     /// Returns the light that a pixel receives from a uniform scene, relative to the centre pixel. `tangent`

@@ -11,12 +11,9 @@
 
 namespace postlens {
 
-/// Finds the outline of the region in which rays from an object point pass a lens. The region lies in a plane
-/// that the rays cross. `passes(p)` tells whether the ray through the point p of this plane passes the lens.
-/// `scale` is the approximate width of the region.
-///
-/// The region must be star-shaped, and symmetric about x = 0. This is so if the object point lies on the +y
-/// axis.
+/// Finds the outline of the region in which rays from an object point pass a lens. The region lies in a
+/// plane, and must be star-shaped and symmetric about x = 0. `passes(p)` tells whether the ray through the
+/// point p of this plane passes the lens. `scale` is the approximate width of the region.
 template <class Passes>
 class LitOutline {
   public:
@@ -26,7 +23,7 @@ class LitOutline {
     LitOutline(Passes passes, double scale) : passes_(std::move(passes)), scale_(scale) {}
 
     /// Searches for the region in which rays pass the lens, beginning at the point `near`. Sets `near` to the
-    /// region's centre, and `edge` to its outline. Returns false if no ray passes.
+    /// region's centre, and `edge` to points on its outline. Returns false if no ray passes.
     [[nodiscard]] bool find(glm::dvec2& near, Edge& edge) const {
         if (!passes_(near) && !search(near)) return false;
         find_edge(near, edge);

@@ -73,7 +73,7 @@ bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
 
 namespace {
 
-/// A ray of a fan, which is a bundle of rays from one object point.
+/// One ray of a fan, placed on the raster to compute the object point's impulse response.
 struct Placed {
     dvec2 px{0};     ///< landing point, px from the response's raster position
     dvec2 pupil{0};  ///< where the ray passes the pupil
@@ -108,10 +108,9 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
         low = glm::min(low, nodes[k].px);
         high = glm::max(high, nodes[k].px);
     }
-    // The rays of a fan form a mesh of rings and spokes in the pupil. A small impulse response covers few
-    // pixels, so a coarser mesh suffices, which saves time. It uses only every second or fourth ring and
-    // spoke. The outline of the impulse response then differs by less than 0.03 px from that of the full
-    // mesh.
+    // In the pupil, the rays of a fan form a mesh of rings and spokes. A small impulse response covers few
+    // pixels, so only every second or fourth ring and spoke is used, which saves time. This displaces the
+    // outline of the impulse response by less than 0.03 px.
     const double extent_px = std::max(high.x - low.x, high.y - low.y) / 2;
     const std::size_t stride = extent_px < 1.5 ? 4 : extent_px < 16 ? 2 : 1;
     const auto cut = [](double at, int begin, int end) {
@@ -152,10 +151,9 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
             deposit.add(std::array{a.px, b.px, c.px, d.px}, first + second);
             return;
         }
-        // a, b, c and d are the rays through the corners of one cell of the mesh in the pupil. Their landing
-        // points do not form a convex quadrilateral, so its outline may cross itself. Therefore, the cell is
-        // split into two triangles, abc and acd. `first` and `second` are the energies of the light through
-        // these triangles.
+        // a, b, c and d are the rays through the four corners of a cell of the pupil. The points at which
+        // they land do not form a convex quadrilateral, so its outline may cross itself. Therefore, the cell
+        // is split into two triangles, with the energies `first` and `second`.
         if (first > 0) deposit.add(std::array{a.px, b.px, c.px}, first);
         if (second > 0) deposit.add(std::array{a.px, c.px, d.px}, second);
     });

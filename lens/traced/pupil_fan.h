@@ -37,11 +37,13 @@ struct PupilFan {
     }
 };
 
-/// Traces the fan of one object point. Returns false if no light passes.
-/// - inverse_depth_per_m: inverse depth of the object point; 0 at infinity, negative for converging light
+/// Traces the fan of one object point, which is the bundle of rays from this point that pass the lens.
+/// Returns false if no light passes.
+/// - inverse_depth_per_m: inverse depth of the object point; 0 at infinity; negative if the rays converge
+///   towards a point behind the lens
 /// - tangent: tangent of the object point's angle from the axis, >= 0
-/// - near_m: pupil point at which the search for passing rays begins; the function sets it to the centre of
-///   the passing rays
+/// - near_m: point of the pupil, in m, at which the search for passing rays begins; the function sets it to
+///   the centre of the region of passing rays
 /// - out: receives the fan; unchanged if no light passes
 [[nodiscard]] bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
                              glm::dvec2& near_m, PupilFan& out);

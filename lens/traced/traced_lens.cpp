@@ -24,7 +24,8 @@ double checked_stop_radius(const FirstOrder& wide_open, const TracedLensSettings
                            const Prescription& lens) {
     if (!settings.f_number) return wide_open.stop_radius_mm;
     const double n = *settings.f_number;
-    // The program displays f-numbers with four digits. The tolerance accepts numbers that were rounded down.
+    // Relative tolerance by which n may be below the f-number of the fully open lens. The program displays
+    // that f-number with four digits, possibly rounded down, and users may enter the displayed number.
     constexpr double rounding = 5e-4;
     if (!(n >= wide_open.f_number * (1 - rounding)) || !std::isfinite(n)) {
         fail(ExitCode::wrong_arguments,
@@ -75,8 +76,8 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
     set_focus(lens);
     find_rear_boxes();
     if (rear_boxes_.front().empty()) {
-        // No ray passes the lens. To show where rays end, traces a ray at 0.7 of the pupil radius. The error
-        // message names the surface at which it ends.
+        // No ray from the centre of the film passes the lens, so an error is reported. Its message names the
+        // surface at which a ray from infinity, at 0.7 of the pupil's radius, ends.
         LensRay ray =
             object_ray(HUGE_VAL, dvec2(0), dvec2(0, 0.35 * first_order_.entrance_pupil_diameter_mm));
         const RayEnd end = stack_.forward(ray);
@@ -91,9 +92,9 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
 }
 
 LensRay TracedLens::object_ray(double depth_m, dvec2 field, dvec2 pupil_mm) const noexcept {
-    // The object's depth and field angle are measured from the pinhole, which is the camera's viewpoint in
-    // the scene. But the ray starts at the lens's entrance pupil. The two positions are equal unless the lens
-    // is moved to focus it. In this case, the entrance pupil moves with the lens, but the pinhole stays.
+    // The object's depth and field angle are measured from the pinhole, the camera's viewpoint in the scene.
+    // But the ray starts at the lens's entrance pupil. The two positions differ if the lens is moved to focus
+    // it, because the entrance pupil then moves with the lens.
     const dvec3 pupil(pupil_mm, first_order_.entrance_pupil_z_mm);
     dvec3 direction(-field, 1);
     if (std::isfinite(depth_m)) {
@@ -110,9 +111,9 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
     if (tangent == 0) return dvec2(0);
     const dvec2 axis = field / tangent;
     const double scale = 0.5 * first_order_.entrance_pupil_diameter_mm;
-    // Finds the chief ray: the point of the entrance pupil whose ray passes through the stop's centre.
-    // `height` is the height at which a ray meets the stop, and the secant method finds its zero. Each step
-    // is limited to one pupil radius, because rays that are aimed farther away miss the lens.
+    // Finds the point of the entrance pupil at which the chief ray must be aimed, so that it passes through
+    // the stop's centre. `height(y)` is the height at which a ray that is aimed at the pupil height y meets
+    // the stop. The secant method finds the y for which this height is 0.
     const auto aimed = [&](double t, double start) -> std::optional<double> {
         const auto height = [&](double y) { return stack_.at_stop(object_ray(depth_m, {0, t}, {0, y})).y; };
         double y0 = start, f0 = height(y0), y1 = start + 0.01 * scale, f1 = height(y1);
@@ -120,6 +121,8 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
             if (!std::isfinite(f0) || !std::isfinite(f1)) return std::nullopt;
             if (std::abs(f1) <= 1e-11 * stack_.stop_radius_mm()) return y1;
             if (f1 == f0) return std::nullopt;
+            // Each step is limited to one pupil radius, because a ray that is aimed farther away misses the
+            // lens.
             const double change = std::clamp(-f1 * (y1 - y0) / (f1 - f0), -scale, scale);
             y0 = y1;
             f0 = f1;
@@ -130,14 +133,15 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
         return std::nullopt;
     };
     if (const auto y = aimed(tangent, 0)) return turned(dvec2(0, *y), axis);
-    // In a wide-angle lens, the pupil moves with the field angle, so the search for the ray through the
-    // stop's centre can fail. It is then repeated for field angles that increase in steps from 0 to the given
-    // angle. Each search begins at a point extrapolated from the previous results.
+    // The search for the ray through the stop's centre has failed. This can happen in a wide-angle lens,
+    // because its entrance pupil moves with the field angle. So the search is repeated for field angles that
+    // increase in steps from 0 to the given angle.
     constexpr int most_steps = 48;
     const double angle = std::atan(tangent);
     double before = 0, last = 0;
     for (int i = 1; i <= most_steps; ++i) {
         const double t = i == most_steps ? tangent : std::tan(angle * i / most_steps);
+        // Each search begins at a point extrapolated from the previous two results.
         const auto y = aimed(t, 2 * last - before);
         if (!y) return std::nullopt;
         before = last;
@@ -160,8 +164,9 @@ double TracedLens::sharp_film_mm(const Prescription& lens, double distance_from_
     }
     double z = stack_.last_vertex_z_mm() + image;
     if (settings_.criterion == FocusCriterion::rms_spot) {
-        // Moves the film position z to where the RMS spot is smallest. Rays are at equal steps of the pupil
-        // radius y, and have the weight y because each represents a ring.
+        // Moves the film to the position z at which the spot of an axial object point has the smallest root
+        // mean square radius. Rays are traced at equal steps of the pupil radius y. Each ray has the weight
+        // y, because it represents a ring of the pupil, whose area is proportional to y.
         double xu = 0, uu = 0;
         constexpr int rays = 256;
         for (int i = 0; i < rays; ++i) {
@@ -200,11 +205,10 @@ void TracedLens::set_focus(const Prescription& lens) {
         film_from_vertex_mm_ = sharp_film_mm(lens, s);
         return;
     }
-    // Computes the smallest distance on which the moving lens can focus. By Newton's equation, the object's
-    // distance from the front focal point times the image's distance from the rear focal point is n' efl^2,
-    // with the index n' behind the lens. Therefore, the sum of the two distances is at least 2 sqrt(n') efl.
-    // Because the film does not move, this sum is the object's distance from the front focal point before the
-    // lens is moved.
+    // Computes the smallest distance on which the moving lens can focus. By Newton's equation, the distances
+    // from the front focal point to the object and from the rear focal point to the image have the product n'
+    // efl^2, so their sum is at least 2 sqrt(n') efl. This sum is the object's distance from the front focal
+    // point of the lens before it moves.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {
@@ -214,10 +218,10 @@ void TracedLens::set_focus(const Prescription& lens) {
              s, nearest_mm * 1e-3);
     };
     if (s * 1e3 < nearest_mm) too_near();
-    // The lens is moved by the distance e towards the scene, so it must focus on the remaining distance s -
-    // e. film(d) is the film position, relative to the lens, at which an object at distance d is in focus.
-    // The film stays in the scene, so e must satisfy e = film(s - e) - film(infinity). This is solved by
-    // iteration. It converges from below, because film(s - e) grows with e.
+    // The lens moves towards the scene by the distance e (extension_mm_) to focus on a point at the distance
+    // s. film(d) is the film position, relative to the lens, at which an object at the distance d is in
+    // focus. Because the film itself does not move, e must equal film(s - e) - film(infinity). The iteration
+    // converges from below, because film(s - e) grows with e.
     const double rest = sharp_film_mm(lens, infinity);
     for (int step = 0; step < 200; ++step) {
         const double film = sharp_film_mm(lens, s - extension_mm_ * 1e-3);
@@ -236,7 +240,9 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
     const dvec3 film(0, film_radius_mm, film_from_vertex_mm_);
     const double z = stack_.last_vertex_z_mm();
     const dvec2 step = (from.high - from.low) / static_cast<double>(search_cells);
-    // The region of rays that pass the lens is symmetric, so the grid covers only x >= 0.
+    // Tests whether rays from the film point `film` pass the lens. The rays are aimed at a grid of points in
+    // the plane of the last lens vertex. The film point lies on the y axis, so the region of passing rays is
+    // symmetric about x = 0. Therefore, the grid covers only x >= 0.
     constexpr int rows = search_cells + 1, columns = search_cells / 2 + 1;
     std::array<std::uint8_t, std::size_t{rows} * columns> passes{};
     const auto node = [&](int i, int j) { return from.low + step * dvec2(i + search_cells / 2, j); };
@@ -249,9 +255,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
             passes[at(i, j)] = stack_.backward(ray).passes() ? 1 : 0;
         }
     }
-    // Rays from one film point are aimed at a grid of points on the plane of the last lens vertex. The grid
-    // points whose rays pass all lens surfaces may form several separate groups. Only the largest group is
-    // used. The rays of other groups are stray light: in a real lens, the mount would block them.
+    // The grid points whose rays pass all lens surfaces may form several separate groups, of which only the
+    // largest is used. The rays of other groups are stray light, which the mount of a real lens would block.
     Box box;
     std::size_t largest = 0;
     std::vector<int> patch;
@@ -312,9 +317,9 @@ void TracedLens::find_rear_boxes() {
         }
     }
     if (rear_boxes_.front().empty()) return;
-    // Computes E0, the irradiance at the film centre if the whole scene has the radiance 1. It is the mean
-    // weight of a grid of nodes x nodes rays from the film centre. Its relative error is about 1 / nodes^1.5,
-    // because the pupil's edge cuts through cells of this grid.
+    // Computes E0, the irradiance at the film centre for a scene that has the radiance 1 everywhere. Weights
+    // of rays are divided by E0, so that such a scene gives the value 1 there. E0 is the mean weight of nodes
+    // x nodes rays, and its relative error is about 1 / nodes^1.5.
     constexpr int nodes = 256;
     double sum = 0;
     SceneRay ray;
@@ -407,11 +412,11 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
         const dvec2 p = box.low + step * dvec2(i, j);
         out.pupil_mm[k] = p;
         LensRay ray = object_ray(depth_m, field, p);
-        // Weight of a ray: the solid angle, seen from the object point, of one grid cell of the pupil plane,
-        // relative to that of a cell at the pupil's centre. For a finite distance, the solid angle is
-        // proportional to cos^3 of the ray's angle from the axis, because of the cell's distance and
-        // inclination. Rays from an object at infinity are parallel, so they all have the weight 1.
+        // Weight of a ray: its share of the object point's light. This is the solid angle of a cell of the
+        // grid in the pupil plane, relative to a cell at the pupil's centre. It is proportional to cos^3 of
+        // the ray's angle from the axis, because other cells are farther away and inclined.
         const double ratio = ray.direction.z / middle_cosine;
+        // Rays from an object at infinity are parallel, so they all have the weight 1.
         const double weight = std::isfinite(depth_m) ? ratio * ratio * ratio : 1;
         out.weight[k] = static_cast<float>(weight);
         if (!stack_.forward(ray).passes()) continue;

@@ -24,8 +24,8 @@ enum class FocusMove {
 
 struct TracedLensSettings {
     /// Focus distance s > 0, in m, measured from the pinhole of the camera. It may be infinite. If it is
-    /// absent, the film is at the position that the lens prescription states. If the prescription states
-    /// none, or if `criterion` is not paraxial, the film is where infinity is in focus.
+    /// absent, the film is at the position that the prescription states. If the prescription states none, or
+    /// if `criterion` is not paraxial, the film is where infinity is in focus.
     std::optional<double> focus_distance_m;
     std::optional<double> f_number;       ///< finite, not below that of the open lens; absent: wide open
     std::optional<double> wavelength_nm;  ///< absent: the prescription's
@@ -98,10 +98,12 @@ class TracedLens {
     /// it is about pi / (4 n^2).
     [[nodiscard]] double axial_irradiance_sr() const { return axial_irradiance_sr_; }
 
-    /// Traces the impulse response of a point at the depth z' = depth_m > 0 (may be infinite) in the
-    /// direction `field` = (x/z', y/z'). Returns false if no ray passes.
+    /// Traces rays from an object point through the lens. The rays cross the plane of the entrance pupil in a
+    /// grid of `nodes`^2 points (2 to 4096 per side) that covers all passing rays. Returns false if no ray
+    /// passes.
     ///
-    /// A grid of `nodes`^2 rays (2 to 4096 per side) covers all passing rays in the pupil plane.
+    /// The point has the depth z' = depth_m > 0, which may be infinite. Its other coordinates, divided by z',
+    /// are `field` = (x/z', y/z').
     bool impulse(double depth_m, glm::dvec2 field, int nodes, PupilMesh& out) const;
 
     /// Returns the ray from an object point through a point of the entrance pupil's plane, before it enters

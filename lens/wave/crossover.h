@@ -21,9 +21,9 @@ struct Crossover {
     std::vector<Stop> stops;           ///< third stops from f/0.5 to f/128: n = 2^(i/6)
 };
 
-/// Compares diffraction of a thin lens with its defocus blur and with the pixel size. Finds two f-numbers:
-/// from the first on, the Airy disc is wider than the circle of confusion, and from the second on, it is
-/// wider than a pixel. Throws Error(wrong_arguments) if an argument is out of range.
+/// Finds two f-numbers of a thin lens: from the first on, the Airy disc is wider than the circle of
+/// confusion, and from the second on, it is wider than a pixel. Throws Error(wrong_arguments) if an argument
+/// is out of range.
 [[nodiscard]] Crossover crossover(double focal_length_mm, double focus_distance_m, double depth_m,
                                   double pixel_pitch_mm, double wavelength_nm);
 

@@ -14,7 +14,9 @@
 namespace postlens {
 namespace {
 
-/// Tables of the Bessel functions J_0 and J_1, one for each of the two step sizes of RadialEnergy::step_for.
+/// Tables of the Bessel functions J_0 and J_1, at equal steps of the optical radius v. From these tables,
+/// diffraction patterns are computed. There is one table for each of the two steps that
+/// RadialEnergy::step_for returns.
 class BesselGrids {
   public:
     void want(double u, double v_end) {
@@ -63,7 +65,8 @@ void check(const FocusGeometry& geometry, std::span<const double> cocs, const Di
     }
 }
 
-/// Sizes of the pixel grid and radial profile of one depth's impulse response, computed before memory is
+/// Sizes that are needed to compute the impulse response of one depth: that of its pixel grid, and the radius
+/// up to which its radial profile must be known. They are determined for all depths before memory is
 /// allocated.
 struct Plan {
     double radius_px = 0;
@@ -88,8 +91,8 @@ Plan plan_of(double coc_px, const std::vector<WaveScale>& scales, const Diffract
     return plan;
 }
 
-/// Sets pixels of an impulse response outside a circle to 0. Otherwise its square grid would be visible
-/// around bright points.
+/// Sets pixels of an impulse response outside a circle around its centre to 0. Otherwise, its square grid of
+/// pixels would be visible around bright points.
 void cut_to_circle(double centre_x, double centre_y, double radius_px, ResponseGrid& grid) {
     const auto nearest = [](double begin) { return begin > 0 ? begin : begin < -1 ? begin + 1 : 0.0; };
     for (int j = 0; j < grid.height; ++j) {
@@ -104,9 +107,9 @@ void cut_to_circle(double centre_x, double centre_y, double radius_px, ResponseG
 }  // namespace
 
 double radius_of_tail(double u, double tail) {
-    // Solves (2/pi) v / (v^2 - u^2) = tail for the radius v. u is the defocus. Both are in optical units. The
-    // left side is approximately the fraction of the energy that diffraction spreads beyond the radius v. So
-    // the fraction `tail` of the energy lies beyond the returned radius.
+    // Returns the radius v beyond which the fraction `tail` of a point's energy lies, because of diffraction.
+    // This fraction is approximately (2/pi) v / (v^2 - u^2), with the defocus u. Setting it equal to `tail`
+    // gives a quadratic equation for v.
     const double a = 1 / (std::numbers::pi * tail);
     return a + std::hypot(a, u);
 }

@@ -15,12 +15,9 @@ namespace postlens {
 struct DiffractionSettings {
     Spectrum spectrum = channel_bands();
     double centre_x = 0, centre_y = 0;  ///< point's geometric image, px from the response's raster position
-    /// Largest fraction of an impulse response's energy, between 0 and 1, that may lie beyond the edge of its
-    /// pixel grid. The size of the grid follows from it. The fraction decreases only as 1 / radius, so small
-    /// fractions need large grids.
-    ///
-    /// For example, with 0.01, the grid of a strongly defocused disc ends about 8 Airy radii outside the
-    /// disc.
+    /// Largest fraction, between 0 and 1, of an impulse response's energy that may lie beyond the edge of its
+    /// pixel grid. The size of the grid is chosen accordingly. The fraction beyond the edge decreases only as
+    /// 1 / (radius of the grid), so small fractions need large grids.
     double tail = 0.01;
     double max_radius_px = 1024;  ///< largest radius of the grid, for any tail
     /// If true, the energy that falls beyond the edge of the pixel grid is added to the pixels of the grid,
@@ -47,11 +44,12 @@ struct ChannelResponses {
                                                                   std::span<const double> coc_diameters_px,
                                                                   const DiffractionSettings& settings);
 
-/// Estimates the radius v outside which the fraction `tail` of a diffraction pattern's energy lies, at the
-/// defocus u. Solves (2/pi) v / (v^2 - u^2) = tail. u and v are in optical units [born1999, 8.8.1].
+/// Estimates the radius v of the circle outside which the fraction `tail` of a diffraction pattern's energy
+/// lies, at the defocus u. v and u are in optical units [born1999, 8.8.1]. Solves (2/pi) v / (v^2 - u^2) =
+/// tail.
 ///
-/// The estimate may be too small by the width of one diffraction fringe. It is too large near the edge of the
-/// geometric disc, v = |u|.
+/// The true radius may be larger by the width of one diffraction fringe. Close to |u|, the edge of the blur
+/// disc, the estimate is too large.
 [[nodiscard]] double radius_of_tail(double u, double tail);
 
 }  // namespace postlens

@@ -65,7 +65,8 @@ double middle(int size_px) {
 }
 
 void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
-    // Smaller discs are enlarged to this radius, because coverage is divided by the disc's area.
+    // Smallest radius of the disc that is drawn. With radius 0, the coverage would be divided by an area of
+    // 0.
     constexpr double least_radius_px = 1e-6;
     const EllipseRows rows(Ellipse::disc(std::max(radius_px, least_radius_px)), centre, centre);
     CoverageSpan span;
@@ -85,8 +86,9 @@ void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
 }
 
 std::vector<double> profile_radii(double half_px, double v_per_px) {
-    // Computing the diffraction pattern at one radius takes time proportional to this radius. So the number
-    // of radii is limited, to keep the total time below a few seconds.
+    // The radial profile is computed at `per_v` radii for each unit of the optical radius v, but at least at
+    // `fewest` radii. The time for one radius is proportional to v. So the number of radii times the largest
+    // v is limited to `most_steps`, which takes a few seconds.
     constexpr double per_v = 4, fewest = 512, most_steps = 2e9;
     const double most = std::clamp(most_steps / std::max(half_px * v_per_px, 1.0), fewest, 8192.0);
     const auto count = static_cast<std::size_t>(std::clamp(half_px * v_per_px * per_v, fewest, most));
@@ -126,7 +128,8 @@ std::optional<double> half_energy_diameter(const std::vector<RadialSample>& prof
     return std::nullopt;
 }
 
-/// Returns an upper bound of the memory, in bytes, for an impulse response and two temporary arrays.
+/// Returns an upper bound of the memory, in bytes, for an impulse response of size_px x size_px pixels,
+/// together with two temporary arrays of the same size.
 double frame_bytes(int size_px) {
     return 3 * static_cast<double>(size_px) * size_px * sizeof(double);
 }
@@ -138,10 +141,11 @@ void make_disc(LensResponse& out, int size_px) {
     fill_disc(radius_px, middle(size_px), out.grid);
     for (const double r : profile_radii(size_px / 2.0, 0)) {
         const double share = radius_px > 0 ? std::min(r * r / (radius_px * radius_px), 1.0) : 1;
-        // `inside` is the intensity in a uniform disc, relative to the peak in focus. Its radius is R = u /
-        // v_per_px, in px, with the defocus u (in optical units) and the optical radius v_per_px of 1 px. The
-        // disc's energy per px^2 is 1 / (pi R^2), and that of the peak in focus is v_per_px^2 / (4 pi).
-        // Therefore, the quotient is 4 / u^2.
+        // `inside` is the intensity in the blur disc, relative to the peak of the same lens in focus. The
+        // disc is uniform, and its radius is R = u / v_per_px, in px. Here, u is the defocus and v_per_px the
+        // width of a pixel, both in optical units. So an energy of 1 has the intensity 1 / (pi R^2) in the
+        // disc. The peak in focus has the intensity v_per_px^2 / (4 pi), per px^2. The quotient of these
+        // intensities is 4 / u^2.
         const double inside = out.u != 0 ? 4 / (out.u * out.u) : std::numeric_limits<double>::infinity();
         out.profile.push_back({r, r * out.v_per_px, r <= radius_px ? inside : 0, share});
     }
@@ -202,9 +206,9 @@ void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScal
     out.fwhm_px = full_width(out.profile);
 }
 
-/// Returns the default width, an odd number of px, of the pixel grid for an impulse response. Without
-/// diffraction, all light lies within `farthest_px` of the centre, and the grid contains it. With
-/// diffraction, it contains about 99 % of the light.
+/// Returns the default width of the pixel grid for an impulse response, as an odd number of px. Without
+/// diffraction, all light falls within `farthest_px` of the grid's centre. With diffraction, the light has no
+/// limit, so the grid contains about 99 % of it.
 int own_size_px(const std::vector<WaveScale>& scales, double farthest_px, bool diffracts) {
     double radius = farthest_px + 1;
     for (const WaveScale& scale : scales) {

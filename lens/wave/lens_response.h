@@ -16,8 +16,8 @@ struct LensResponseRequest {
     double focus_distance_m = 1, depth_m = 1;
     double pixel_pitch_mm = 0.01875;
     Impulse impulse;  ///< disc, polygon, picture or diffraction
-    /// The aperture shape for impulse responses without diffraction. If it is absent, the aperture is made
-    /// from the field `impulse`. If the aperture is an image, this field must be set, because `impulse`
+    /// Shape of the lens's aperture, for impulse responses without diffraction. If it is not set, the shape
+    /// is derived from `impulse`. If the shape is an image, `aperture` must be set, because `impulse`
     /// contains only the image's file name.
     std::optional<Aperture> aperture;
     double wavelength_nm = 550;  ///< used if the impulse states none
@@ -33,8 +33,9 @@ struct RadialSample {
 };
 
 struct LensResponse {
-    /// Fraction of the energy in each pixel; the sum is `energy_in_frame`. The scene point's geometric image
-    /// is at the centre of the grid. This is also the centre of a pixel if width and height are odd.
+    /// Impulse response: the fraction of a scene point's energy that falls into each pixel. The sum is
+    /// `energy_in_frame`, because the rest of the energy falls outside the grid. The point's geometric image
+    /// is at the centre of the grid.
     ResponseGrid grid;
     double energy_in_frame = 0, peak_share = 0;
     double coc_px = 0;  ///< signed
@@ -48,9 +49,9 @@ struct LensResponse {
     /// Diameter of the circle that contains half of the energy. Unlike `fwhm_px`, it does not depend on
     /// single bright fringes. Absent if it exceeds the grid.
     std::optional<double> half_energy_diameter_px;
-    /// Radial profile of the impulse response: samples of the intensity and of the encircled energy, at radii
-    /// from 0 to half the grid's width. The radii are uniformly spaced, if possible with four samples per
-    /// unit of the optical radius v. But there are always about 512 to 8192 samples.
+    /// Radial profile of the impulse response: the intensity and the encircled energy at uniformly spaced
+    /// radii from 0 to half the grid's width. There are four radii for each unit of the optical radius v, but
+    /// at least about 512 and at most about 8192.
     std::vector<RadialSample> profile;
 };
 

@@ -23,17 +23,16 @@ inline constexpr double largest_u = 1e6;
 /// Throws Error(wrong_arguments) if |u| exceeds largest_u or is not a number.
 void check_defocus(double u);
 
-/// Returns the conversion to the optical coordinates of diffraction theory, v for the radius in the image and
-/// u for the defocus. The lens is thin, with a finite f-number, and is focused beyond its focal length. |u|
-/// is v_per_px times the radius of the circle of confusion, in px. Therefore, the blur disc of geometric
-/// optics ends at the radius v = |u|.
+/// Returns the optical coordinates of diffraction theory for a scene point at `depth_m`: the defocus u, and
+/// v_per_px, which converts a radius in the image from px to the coordinate v. The lens is thin, has a finite
+/// f-number, and is focused beyond its focal length. The geometric blur disc ends at v = |u|.
 [[nodiscard]] WaveScale wave_scale(const ThinLens& lens, double focus_distance_m, double depth_m,
                                    double pixel_pitch_mm, double wavelength_nm);
 
-/// Returns the conversion to the optical coordinates of diffraction theory for a point of a traced image, at
-/// the wavelength lambda. The optical radius of 1 px is v_per_px = 2 pi a / (lambda gain_px). The defocus in
-/// optical units is u = v_per_px coc_diameter_px / 2. The aperture radius a, gain_px and coc_diameter_px are
-/// members of FocusGeometry.
+/// Returns the optical coordinates of diffraction theory for a point of a traced image. With the wavelength
+/// lambda, the aperture radius a and the film distance gain_px in px, the width of a pixel is v_per_px = 2 pi
+/// a / (lambda gain_px). The defocus is u = v_per_px coc_diameter_px / 2, with the diameter of the circle of
+/// confusion.
 [[nodiscard]] WaveScale wave_scale(const FocusGeometry& geometry, double inverse_depth_per_m,
                                    double wavelength_nm);
 

@@ -34,7 +34,8 @@ enum class ConvolutionMethod { automatic, direct, fft };
                               ConvolutionMethod* used = nullptr,
                               const std::optional<CellWindow>& wanted = std::nullopt);
 
-/// Slow reference of `convolve` for tests: adds up shifted copies of the image i1 in double precision.
+/// Slow reference of `convolve` for tests. For each cell of the blur kernel `i2`, adds a copy of the image
+/// `i1` that is shifted by the cell's position and multiplied by its weight. Computes in double precision.
 [[nodiscard]] Planes convolve_reference(const Planes& i1, const PathRaster& i2);
 
 /// Predicted times of direct convolution and of FFT convolution on one thread, in seconds, for the computer

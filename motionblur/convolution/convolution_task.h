@@ -23,13 +23,14 @@ struct ConvolutionTask {
     std::vector<ColumnRange> rows;  ///< for each row of `source`, the range of its nonzero columns
 
     /// Prepares the convolution of the image `a` of a moving object with the blur kernel `b`, an image of its
-    /// motion path. Only the cells of the blurred image in the window `wanted` are needed. If the blurred
-    /// image is 0 in all of them, the window `out` is empty.
+    /// motion path. The caller needs only the pixels of the result in the window `wanted`. `out` becomes the
+    /// part of this window in which the result may differ from 0.
     ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
 
     [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }
-    /// Returns a pointer p to row y of one plane of `i1`, the image of the moving object. A plane holds one
-    /// colour channel or the coverage. p[x] is the value in column x, in raster coordinates.
+    /// Returns a pointer p to row y of a plane (a colour channel or the coverage) of `i1`. `i1` is the image
+    /// of a moving object, which is to be blurred. p[x] is the value in column x, where x and y are raster
+    /// coordinates.
     [[nodiscard]] const float* row(std::size_t plane, int y) const {
         return i1.planes[plane].data() +
                static_cast<std::ptrdiff_t>(y - i1.y_begin) * static_cast<std::ptrdiff_t>(i1.width) -

@@ -10,17 +10,19 @@
 namespace postlens {
 namespace {
 
-/// Number of columns that are summed together. Their sums fill eight of AVX2's sixteen vector registers.
+/// Number of adjacent pixels in a row of the result that are computed at once, each as a sum. The 64 sums are
+/// floats, and fill eight of AVX2's sixteen vector registers, with 8 floats each.
 constexpr int tile = 64;
 constexpr int lanes = 8;
 constexpr int vectors = tile / lanes;
-/// Number of products (pixel times weight) that are summed as floats, before their sum is added to a double.
-/// The conversion of the weight to float, the product and up to 32 additions each have a relative rounding
-/// error of at most 2^-24. Therefore, the error is below 34 * 2^-24 of the sum of such a group.
+/// A pixel of the result is a sum of products (value times weight). Groups of up to this number of products
+/// are summed as floats, and the sum of a group is then added to a double. The conversion of the weight to
+/// float, the product and up to 32 additions each have a relative rounding error of at most 2^-24. So the
+/// error of a group is below 34 * 2^-24 of the sum of its products' absolute values.
 constexpr std::size_t terms_per_flush = 32;
-/// Time to apply a run to a row of pixels. A run is a sequence of equal neighbouring weights of the blur
-/// kernel, which are applied at once. The unit is the time to apply one weight. Therefore, runs of up to this
-/// number of weights are applied weight by weight.
+/// A run is a sequence of equal neighbouring weights of the blur kernel, which can be applied at once.
+/// `run_cost` is the time for this, divided by the time to apply a single weight. Therefore, sequences of up
+/// to `run_cost` weights are applied weight by weight.
 constexpr int run_cost = 6;
 /// Relative difference up to which two weights of the blur kernel count as equal. Rounding makes equal
 /// weights differ slightly.
@@ -92,14 +94,15 @@ struct Orientation {
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
-    // Runs of equal weights save time, but they are found only along rows of the blur kernel. If its columns
-    // contain longer runs, kernel and image are therefore transposed before the convolution, and the result
-    // afterwards. `turning` is the time of transposing, in units of the time to apply one weight.
+    // If the columns of the blur kernel contain longer runs of equal weights than its rows, image and kernel
+    // are transposed for the convolution, and the result is transposed back. `turning` is the time that this
+    // takes, in units of the time to apply one weight.
     constexpr double turning = 12;
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
 
-/// Copies the window's cell (x, y) to cell (y, x) of `to`.
+/// Transposes the cells of `from` that lie in `window`: copies the value in column x and row y to column y
+/// and row x of `to`. This is done for each plane (colour channel or coverage).
 void transpose(const Planes& from, const CellWindow& window, Planes& to) {
     constexpr int block = 32;  // cells along a side, so that both blocks stay in the cache
     const int bands = (window.height() + block - 1) / block;
@@ -123,11 +126,10 @@ struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// A run of equal neighbouring weights in a row of the blur kernel. The pixels that it covers in a row of the
-/// object's image are summed by a difference of two prefix sums. So the run adds weight * (sum[high] -
-/// sum[low]) to the computed pixel. `sum` contains the prefix sums of the image row, and `high` and `low` are
-/// memory offsets relative to this pixel.
+/// A run: equal neighbouring weights in a row of the blur kernel. It adds weight * (sum[high] - sum[low]) to
+/// a pixel of the result, where `sum` contains the prefix sums of a row of the image.
 struct RunTerm {
+    /// Memory offsets from the result's pixel to the prefix sums at the two ends of the run.
     std::ptrdiff_t high, low;
     double weight;
 };
@@ -171,9 +173,9 @@ void add_runs(const double* running, std::ptrdiff_t at, const RunTerm* terms, st
     }
 }
 
-/// Convolves the image of a moving object directly, as a sum over the weights of the blur kernel. `tile`
-/// neighbouring columns of the result are computed at once. Such a tile may need pixels beyond the ends of an
-/// image row. Therefore, the rows are padded with zeros.
+/// Convolves the image of a moving object as a sum over the weights of the blur kernel, without an FFT.
+/// `tile` adjacent pixels in a row of the result are computed at once. They may need values beyond the ends
+/// of a row of the image, so these rows are padded with zeros.
 class DirectConvolution {
   public:
     DirectConvolution(const ConvolutionTask& task, PathRuns runs)
@@ -191,9 +193,9 @@ class DirectConvolution {
     }
 
     void run(Planes& result) const {
-        // The result, the blurred image, is divided into blocks of 64 x 64 cells. Each task of parallel_for
-        // computes one block, row by row. Neighbouring rows of a block are computed mostly from the same rows
-        // of the object's image. These rows stay in the cache.
+        // The result, the blurred image, is divided into blocks of 64 x 64 pixels, which several threads
+        // compute in parallel. A task of parallel_for computes the rows of one block. Adjacent rows need
+        // mostly the same rows of the image that is blurred, so these rows stay in the cache.
         constexpr int band = 64;
         const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
         const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);
@@ -262,10 +264,9 @@ class DirectConvolution {
             if (from < source_.y_begin) break;
             if (from >= source_.y_end) continue;
             const ColumnRange c = task_.columns(from);
-            // For row y of the result, this row of the blur kernel is applied to only one row of the object's
-            // image, `from`. The nonzero values of this image row lie in the columns `c`. Shifted by the
-            // kernel's columns, they may all miss the `tile` columns of the result that begin at x. In this
-            // case, the kernel row adds nothing and is skipped.
+            // Skips this row of the blur kernel if it adds nothing to the `tile` columns of the result from x
+            // on. The row shifts a row of the object's image, whose nonzero values lie in the columns `c`, to
+            // the right by the numbers in the range row.columns.
             if (x - row.columns.end + 1 >= c.end || x + tile - row.columns.begin <= c.begin) continue;
             const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
             terms.cells.insert(terms.cells.end(), all_.cells.begin() + at(row.cells_begin),
@@ -334,12 +335,12 @@ double direct_cost_s(const ConvolutionTask& task) {
     // Fraction of the full convolution's result that is computed.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    // Constants that predict the time of a convolution, in s. They were measured with the benchmark
-    // `one_object/direct`. `s_per_cell` is the time to apply one weight of the blur kernel to one value of
-    // the object's image. `s_per_copy` is the time per value to copy this image with a padding of zeros. The
-    // copy is slower for more than `large_values` values, because the operating system must then provide new
-    // memory pages.
+    // Predicts the time of a convolution from constants, in s, measured with the benchmark
+    // `one_object/direct`. A value is a pixel in one channel. `s_per_cell` is the time to multiply a value by
+    // one weight of the blur kernel and add it.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
+    // Time to copy a value when the image is padded with zeros. Above `large_values` values, copying is
+    // slower, because the operating system must then provide new memory pages.
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
     const double s_per_sum = 2 * s_per_copy;
     double cost_s = planes * area * (share * chosen.runs.cost * s_per_cell + s_per_copy);

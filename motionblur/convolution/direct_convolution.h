@@ -5,9 +5,9 @@
 
 namespace postlens {
 
-/// Convolves the image of a moving object with the blur kernel, which is an image of the object's motion
-/// path. `task` refers to both. The blurred image is written to the cells `task.out` of `result`, which must
-/// be 0 before the call.
+/// Convolves the image of a moving object with the blur kernel. `task` contains references to the image and
+/// to the kernel. The pixels of the blurred image in the window `task.out` are written to `result`, where
+/// they must be 0 before the call.
 void convolve_direct(const ConvolutionTask& task, Planes& result);
 
 /// Returns the predicted time of one thread, in seconds.

@@ -22,19 +22,19 @@ struct AxisBlocks {
     int count = 1, length = 0, size = 0;
 };
 
-/// Index ranges of a convolution along one axis: [s0, s1) of the object's image, [p0, p1) of the blur kernel
-/// (the rasterised motion path), and [o0, o1) of the result.
+/// Index ranges of a convolution along one axis (x or y): [s0, s1) of the image that is blurred, [p0, p1) of
+/// the blur kernel, and [o0, o1) of the result.
 struct Axis {
     int s0, s1, p0, p1, o0, o1;
 };
 
-/// Returns the smallest FFT size for which the result of a convolution is correct at the indices [x0, x1) of
-/// one axis. A convolution by FFT is periodic, with the size as its period. Its repetitions must not overlap
-/// these indices.
+/// Returns the smallest FFT size with which a convolution along one axis is correct at the indices [x0, x1)
+/// of the result. An FFT treats its values as periodic. So with a smaller size, other values of the result
+/// would be added to those in [x0, x1).
 int needed_size(const Axis& axis, int x0, int x1) {
-    // The blur kernel shifts values of the object's image by its indices [p0, p1). Therefore, only the
-    // indices [a, b) of the object's image contribute to the result at [x0, x1). If there are none, the
-    // result is 0, so every FFT size is correct.
+    // [p0, p1) are the indices of the blur kernel along the axis, and [s0, s1) those of the object's image.
+    // Only the indices [a, b) of the image contribute to the results [x0, x1). If this range is empty, these
+    // results are 0 with any FFT size.
     const int a = std::max(axis.s0, x0 - axis.p1 + 1), b = std::min(axis.s1, x1 - axis.p0);
     if (a >= b) return 1;
     return std::max({b + axis.p1 - 1 - x0, x1 - a - axis.p0, x1 - x0, b - a, axis.p1 - axis.p0});
@@ -226,7 +226,8 @@ class FftConvolution {
         path_ = std::move(buffers.spectrum);
     }
 
-    /// For each row of the convolution's result, finds the range of columns that may contain nonzero values.
+    /// For each row of the blurred image, finds the range of columns that may contain nonzero values. The
+    /// range follows from the nonzero columns in the rows of the image and of the blur kernel.
     void lay_reach() {
         std::vector<ColumnRange> path_rows;
         for (int y = task_.path.y_begin; y < task_.path.y_end; ++y) {
@@ -269,10 +270,9 @@ class FftConvolution {
         }
     }
 
-    /// Copies one colour or coverage plane of the moving object's image to `cells`, the input of the FFT.
-    /// `block` is the part of the blurred image that is computed. Only those pixels are copied that the
-    /// convolution with the blur kernel can spread into `block`. All other cells become 0. Returns true if no
-    /// copied value is negative.
+    /// Copies one plane of the moving object's image to `cells`, the input of the FFT. Only pixels that the
+    /// blur kernel can spread into `block`, the computed part of the result, are copied, and all other cells
+    /// become 0. Returns true if no copied value is negative.
     bool lay_source(std::size_t plane, const CellWindow& block, float* cells) const {
         std::fill_n(cells, width_ * height_, 0.0F);
         const CellWindow &s = task_.source, &p = task_.path;

@@ -5,9 +5,9 @@
 
 namespace postlens {
 
-/// Convolves the image of a moving object with the blur kernel, an image of its motion path. `task` refers to
-/// both. The window `task.out` of the blurred image is written to `result`, and this part of `result` must be
-/// 0 before the call.
+/// Convolves the image of a moving object with its blur kernel by FFT. `task` contains references to both.
+/// The pixels of the blurred image in the window `task.out` are written to `result`, where they must be 0
+/// before the call.
 void convolve_fft(const ConvolutionTask& task, Planes& result);
 
 /// Returns the predicted time of one thread, in seconds.

@@ -20,8 +20,8 @@ void RecordBands::read(RecordBand& band) const {
     std::uint64_t records = 0;
     for (int y = y_begin; y < y_end; ++y)
         records += file_.scanlines(instant_)[static_cast<std::size_t>(y - file_.y_begin())].records;
-    // Memory for the records (stored surface samples), and about 100 bytes per record for the quadtree and
-    // the surfaces made from them.
+    // Memory for the records (stored surface samples) of these rows. About 100 more bytes for each record are
+    // needed later, when the records are converted to a quadtree and surfaces.
     require_memory(records * (sizeof(Record) + 100), "the records of the frame");
     file_.read(y_begin, y_end, band, instant_);
 }

@@ -12,8 +12,8 @@ namespace postlens {
 
 /// Quadtree leaves and surfaces of the pixels in rows [y_begin, y_end).
 struct BandSurfaces {
-    /// `width` is the number of pixels in a row plus one, because samples lie at pixel corners. The extra
-    /// column holds the right border of the last pixel.
+    /// `width` is the number of samples in a row. It is the number of pixels plus one, because samples lie at
+    /// the corners of pixels.
     int x_begin = 0, width = 0, y_begin = 0, y_end = 0;
     PixelLeaves leaves;
     SampleSurfaces surfaces;
@@ -45,7 +45,8 @@ class RecordBands {
     /// memory.
     void need(int y_begin, int y_end);
     void need_all() { need(file_.y_begin(), file_.y_end()); }
-    /// Returns all bands of the image. A band that was not read, or not kept, contains no records.
+    /// Returns the bands (blocks of pixel rows) of the image, from top to bottom. All bands are returned, but
+    /// a band contains records only if these were read and kept in memory.
     [[nodiscard]] const std::vector<RecordBand>& bands() const { return bands_; }
 
   private:
@@ -56,12 +57,13 @@ class RecordBands {
     void read(RecordBand& band) const;
 };
 
-/// Returns one element per band (block of pixel rows). It contains the band's surfaces, or nothing if the
-/// band does not overlap the pixel rows [y_begin, y_end).
+/// Converts the records in each band (block of pixel rows) to a quadtree and surfaces. Returns one element
+/// per band. It is empty if the band does not overlap the pixel rows [y_begin, y_end).
 [[nodiscard]] std::vector<BandSurfaces> band_surfaces(const std::vector<RecordBand>& bands, int y_begin,
                                                       int y_end);
 
-/// Maps the id of an object to its group. The objects of a group share a path.
+/// Maps the id of a moving object to the group to which it belongs. The objects of a group move along the
+/// same path in the image.
 class GroupTable {
   public:
     explicit GroupTable(const std::vector<MovingGroup>& groups);

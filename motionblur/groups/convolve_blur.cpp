@@ -12,16 +12,15 @@
 namespace postlens {
 namespace {
 
-/// The depths of the groups of moving objects divide the depth range of a pixel into intervals: in front of
-/// the nearest group, between two groups, and behind the farthest group. This struct describes the static
-/// surfaces in one interval. It sums their colours over the pixel's samples, weighted by the area that each
-/// sample represents.
+/// Static surfaces in one interval of depth in a pixel. The groups of moving objects divide the depth range
+/// into these intervals: the first interval lies in front of the nearest group, and the last one behind the
+/// farthest group.
 struct Between {
+    /// Sum of the surfaces' colours over the samples of the pixel, weighted by the area that each sample
+    /// represents.
     std::array<double, 3> colour{};
-    /// Sums of sample areas in one pixel, for one interval of depth. `covered` is the area of the samples
-    /// that show a static surface in this interval. `known` is the area of the samples that record whether
-    /// there is one. If a sample records only surfaces in front of the interval, `known` does not count it.
-    /// So static surfaces cover the fraction covered / known of the pixel.
+    /// Areas of the samples of the pixel. `covered` is the area of those that show a static surface in this
+    /// interval. `known` is the area of those for which the file tells whether such a surface exists.
     double covered = 0, known = 0;
 };
 
@@ -121,9 +120,9 @@ class Composite {
                 known = std::max(known, static_cast<std::size_t>(g));
                 continue;
             }
-            // `rank` is the index of the depth interval that contains the static surface s. It is the number
-            // of moving groups in front of s. `depths_` holds the inverse depths of the groups in descending
-            // order, so this number is found by a binary search.
+            // `rank` is the number of groups of moving objects in front of the static surface s. `depths_`
+            // holds the groups' inverse depths, sorted from near to far, so this number is found by a binary
+            // search.
             const auto rank = static_cast<std::size_t>(
                 std::partition_point(depths_.begin(), depths_.end(),
                                      [&](double depth) { return depth > static_cast<double>(s.inverse_z); }) -
@@ -182,19 +181,20 @@ class Composite {
     std::vector<double> depths_;  ///< inverse depths of the moving groups, 1/m, from near to far
 };
 
-/// Each moving group is composited with its mean coverage and mean light during the exposure. The result is
-/// wrong where the coverage of the nearer group and the light of the farther group vary together. In each
-/// pixel, the error is their covariance. Its square is at most the product of their variances. Returns the
-/// sum of bounds of this product over all pixels, for radiances up to 1.
+/// Returns an upper bound of the error of compositing two groups of moving objects with their mean coverage
+/// and mean light during the exposure. The error is a sum of squared errors over all pixels, for radiances up
+/// to 1.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {
         for (int x = std::max(nearer.x_begin, farther.x_begin); x < std::min(nearer.x_end, farther.x_end);
              ++x) {
+            // The error in this pixel is the covariance of the nearer group's coverage and the farther
+            // group's light over time. Its square is at most the product of their variances.
             const double c = std::clamp(static_cast<double>((*nearer.at(x, y))[3]), 0.0, 1.0);
-            // c is the mean coverage of the pixel by the nearer of the two groups. During the exposure, this
-            // coverage varies between 0 and 1, so its variance is at most c (1 - c). For radiances up to 1,
-            // the variance of the farther group's light is at most that group's mean coverage.
+            // The nearer group's coverage lies between 0 and 1 and has the mean c, so its variance is at most
+            // c (1 - c). The farther group's light lies between 0 and 1, so its variance is at most its mean,
+            // which is at most the group's mean coverage.
             sum += c * (1 - c) * std::clamp(static_cast<double>((*farther.at(x, y))[3]), 0.0, 1.0);
         }
     }

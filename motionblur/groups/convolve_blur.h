@@ -12,14 +12,14 @@
 
 namespace postlens {
 
-/// The error where two groups of moving objects pass over the same pixels. For each group, compositing uses
-/// its mean coverage and mean light during the exposure. This assumes that the two groups pass independently
-/// of each other. The result is wrong, for example, if the nearer group hides a pixel just while the farther
-/// group is bright there.
+/// The error of compositing two groups of moving objects that pass over the same pixels. Each group is
+/// composited with its mean during the exposure. This is wrong, for example, if the nearer group hides a
+/// pixel just while the farther group is bright there.
 struct Crossing {
     std::size_t other = 0;  ///< index of the crossing group with the largest error
-    /// Upper bound of the error of compositing, as a mean of squared errors over the pixels over which this
-    /// moving group passes. The bound holds for radiances up to 1.
+    /// Upper bound of the error that compositing causes where this group of moving objects and the group
+    /// `other` overlap. It is a mean of squared errors over all pixels over which this group passes, and
+    /// holds for radiances up to 1.
     double most_mse = 0;
 };
 
@@ -30,12 +30,10 @@ struct ConvolveBlur {
     std::vector<Crossing> crossings;    ///< one per group of moving objects
 };
 
-/// Blurs groups of moving objects by convolution. Composites them with the static surfaces from front to
-/// back.
-/// - `still`: pinhole image
+/// Blurs groups of moving objects, each by convolution with its motion path. Then composites them with the
+/// static surfaces of `still`, the pinhole image.
 /// - `groups`: sorted from near to far
-/// - `across_per_px`: width, in m, of the scene area that a pixel shows; for a perspective camera, at a depth
-///   of 1 m
+/// - `across_per_px`: width of a pixel in the scene, in m; for a perspective camera, at a depth of 1 m
 [[nodiscard]] ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
                                          const std::vector<MovingGroup>& groups, const Exposure& exposure,
                                          const ShutterCurve& curve, double across_per_px);

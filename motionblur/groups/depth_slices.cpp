@@ -113,11 +113,11 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // v is the relative change of a surface element's area in the image, from `low` to `high`. It is linear
-    // in the element's displacement. If v < -1, the element faces away and is invisible, so its visible area
-    // is max(0, 1 + v). But only areas that are linear in the displacement can be drawn. Therefore, the
-    // function area * (1 - v / low) replaces it. Both functions have the same mean if all v are equally
-    // frequent.
+    // During the motion, the area of a surface element in the image is multiplied by 1 + v, where v is linear
+    // in the displacement and lies between `low` and `high`. If v < -1, the element faces away and is
+    // invisible, so the true factor is max(0, 1 + v). But only factors that are linear in v can be drawn. So
+    // area * (1 - v / low) is used, which is 0 at v = low. `area` is chosen so that both factors have the
+    // same mean over all v from `low` to `high`.
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }
@@ -133,9 +133,9 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // Estimates the memory for the group's pieces from above. A quadtree leaf (a pixel or a part of it) is
-    // divided into four quarters, one for each sample at its corners. Each quarter is stored as a Piece. A
-    // sample is a corner of about four leaves, so it is stored as about four pieces.
+    // Checks an upper estimate of the memory for the pieces of this group. A piece is the quarter of a
+    // quadtree leaf at one of its corners. A sample is a corner of about four leaves, so there are about four
+    // pieces for each record.
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });

@@ -15,9 +15,9 @@ inline constexpr int most_slices = 64;
 /// Returns the number of slices of a group with parallax, 2..most_slices.
 [[nodiscard]] int slices_for(const MovingGroup& group);
 
-/// Returns the error of drawing a group of moving objects as one opaque surface. Parts at different depths
-/// move differently, so gaps and overlaps arise between them. The error is the area of these gaps and
-/// overlaps relative to the recorded area of the group. Gaps below 0.5 px do not count.
+/// Returns the error of drawing a group of moving objects as one opaque surface. It is the area of the gaps
+/// and overlaps that arise because near parts move farther than distant parts, as a fraction of the group's
+/// area in the recorded image. Gaps below 0.5 px do not count.
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
@@ -33,28 +33,29 @@ struct PathAxis {
 /// it is returned as well.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
-/// Area of a small surface element in the image, as a fraction of its area at the recorded instant. If the
-/// element moves, this fraction changes linearly with its displacement d from its recorded position in the
-/// image, in px. The fraction is
+/// How the area of a small surface element in the image changes when its object moves. If the element is
+/// displaced by d, in px, from its recorded position in the image, its recorded area is multiplied by
 ///
-///     area + sum over the axes a (PathAxis) of rate_per_px[a] * dot(d, a.direction)
+///     area + sum over the axes a of rate_per_px[a] * dot(d, a.direction)
 ///
-/// The formula is exact for translations parallel to the film.
+/// The axes are directions of the motion in the image (PathAxis). The formula is exact for translations
+/// parallel to the film.
 struct Stretch {
     double area = 1;
-    /// For each axis: change of this fraction of the recorded area, per px of displacement along the axis.
+    /// For each axis a of the object's motion: rate_per_px[a] is the change of the surface element's area, as
+    /// a fraction of its recorded area, per px of displacement along this axis.
     glm::dvec2 rate_per_px{0};
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
 /// Image (colours and coverage) of one depth slice of a group of moving objects. The slice moves as a whole,
-/// but the projected areas of its surfaces change during the movement. Therefore, its image depends linearly
-/// on the displacement p, in px:
+/// but the areas of its surfaces in the image change linearly with the displacement (Stretch). So its colours
+/// and coverage change linearly, too. At the displacement p, in px, the image is
 ///
 ///     flat + sum over the axes a (PathAxis) of stretched[a] * (dot(p, a.direction) - a.low_px)
 ///
-/// `flat` is the image at the smallest displacement along each axis. `stretched` is its change per px of
-/// displacement along an axis.
+/// a.low_px is the smallest displacement along the axis a. `flat` is the image at the smallest displacements,
+/// and `stretched` is its change per px along each axis.
 struct SliceRaster {
     Planes flat;
     std::vector<Planes> stretched;  ///< one per axis
@@ -64,26 +65,25 @@ struct SliceRaster {
 /// depths, from far to near. A surface between two slices is drawn into both, with weights that sum to 1.
 class DepthSlices {
   public:
-    /// Sorts the surfaces of a group of moving objects into slices by depth.
-    /// - `bands`: recorded surfaces, in bands of pixel rows
-    /// - `g`: index of `group` in `table`
-    /// - `cells_per_px`: resolution of the images that `draw` returns, in raster cells per px
-    /// - `across_per_px`: width of a pixel in the scene, in m; for perspective cameras, at a depth of 1 m
+    /// Sorts the surfaces of `group`, a group of moving objects, into slices by depth.
+    /// - `table`: maps the objects of `group` to the number `g`
+    /// - `cells_per_px`: resolution of the images of slices that `draw` returns
+    /// - `across_per_px`: width of a pixel in the scene, in m; for a perspective camera, at a depth of 1 m
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// Returns the factor for the motion path of depth slice k. MovingGroup::path contains the displacements
-    /// in the image, in px, of points at the inverse depth `path_inverse_z`. For slice k, they are multiplied
-    /// by this factor. The factor is larger for nearer slices, because of parallax.
+    /// Returns the factor by which MovingGroup::path is multiplied for depth slice k. The path contains the
+    /// group's displacements in the image, in px, at only one inverse depth, `path_inverse_z`. Because of
+    /// parallax, nearer slices move farther, so their factor is larger.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:
-    /// One quarter of a quadtree leaf. A leaf is a pixel or a part of it, with samples at its four corners.
-    /// The quarter has the colour of the sample at its own corner of the leaf.
+    /// A quarter of a quadtree leaf, with the colour (r, g, b) of the sample at its corner. It covers the
+    /// cells [x, x + n) x [y, y + n) of the image of the depth slice with the number `slice`.
     struct Piece {
         int x = 0, y = 0, n = 1, slice = 0;
         float share = 0, r = 0, g = 0, b = 0;

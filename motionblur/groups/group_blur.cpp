@@ -44,13 +44,13 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
         for (std::size_t a = 0; a < i1.stretched.size(); ++a)
             add(in_pixels(convolved(i1.stretched[a], path, along[a]), cells_per_px_, width_, height_), out);
     }
-    // A convolution by FFT has a rounding error of up to `least_coverage`. The convolved slices are added, so
-    // their rounding errors add up too. Coverages up to this sum may be mere rounding errors. Therefore, they
-    // become 0.
+    // An FFT can change the coverage p[3] of a pixel by a rounding error of up to least_coverage. `out` is
+    // the sum of several convolved slices, so a pixel with a coverage of at most `rounding` may really be
+    // empty. Such a pixel is set to 0.
     const float rounding = least_coverage * static_cast<float>(slices.count());
     for (auto& p : out.rgba) {
         if (p[3] <= rounding) p = {0, 0, 0, 0};
-        // Overlapping parts of a moving object can have a total coverage above 1.
+        // The coverage p[3] can exceed 1 where parts of a moving object overlap.
         const float scale = p[3] > 1 ? 1 / p[3] : 1;
         for (float& v : p) v = std::max(0.0F, v * scale);
     }
@@ -59,10 +59,9 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
 
 Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path,
                             const std::vector<double>& values) const {
-    // i1 is the object's image. The blur kernel i2 is an image of its motion path: the cell at the
-    // displacement d holds the fraction of the exposure during which the object is displaced by d. `reach`
-    // contains the displacements after which a part of i1 still lies in the frame. Other displacements do not
-    // contribute to the blurred image, so they are not drawn.
+    // `i1` is an image of the moving objects. Displacements that move all of it out of the frame contribute
+    // nothing to the blurred image. So the blur kernel `i2` is drawn only in the window `reach`, which
+    // contains all other displacements.
     const CellWindow frame{0, width_ * cells_per_px_, 0, height_ * cells_per_px_};
     const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
                            frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};
@@ -71,7 +70,8 @@ Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path
     return convolve(i1, i2, ConvolutionMethod::automatic, nullptr, frame);
 }
 
-// Creates an empty image of the area over which the moving group can pass.
+// Creates an empty image, to which the blurred slices of a group of moving objects are added. It contains the
+// area over which the group can pass during the exposure.
 GroupPicture GroupBlur::nothing_over(const DepthSlices& slices, const MovingGroup& group) const {
     glm::dvec2 low(0), high(0);
     for (const PathPoint& p : group.path) {
@@ -85,8 +85,9 @@ GroupPicture GroupBlur::nothing_over(const DepthSlices& slices, const MovingGrou
     const auto within = [](double px, int limit) {
         return static_cast<int>(std::clamp(px, 0.0, static_cast<double>(limit)));
     };
-    // Enlarges the bounding box of the blurred object by 1 px on all sides. The displacements of its motion
-    // path are rounded to raster cells, so the blurred object may be shifted by half a cell.
+    // The bounding box of the blurred object is enlarged by 1 px on all sides. The object may extend slightly
+    // beyond its motion path, because displacements are rounded to whole raster cells, which shifts it by up
+    // to half a cell.
     GroupPicture out;
     out.x_begin = within(std::floor(w.x_begin / c + low.x) - 1, width_);
     out.x_end = std::max(out.x_begin, within(std::ceil(w.x_end / c + high.x) + 1, width_));

@@ -8,7 +8,8 @@
 
 namespace postlens {
 
-/// A coverage up to this value counts as 0, because it may be a rounding error of a Fourier transform.
+/// A pixel counts as empty if a blurred object covers at most this fraction of it. The blur is computed by
+/// Fourier transforms, whose rounding errors can be of this size.
 inline constexpr float least_coverage = 2e-6F;
 
 /// Keeps references to the exposure and the curve.
@@ -20,8 +21,8 @@ class GroupBlur {
 
     /// Blurs all depths of a group of objects along one path.
     [[nodiscard]] GroupPicture whole(const Planes& i1, const MovingGroup& group) const;
-    /// Blurs a group of objects in depth slices, each along its own path, and adds the blurred slices. The
-    /// slices do not hide each other, because they are parts of one opaque surface.
+    /// Blurs a group of moving objects in slices by depth, each along its own motion path. The blurred slices
+    /// are added without testing which slice hides another, because all are parts of one opaque surface.
     [[nodiscard]] GroupPicture sliced(const DepthSlices& slices, const MovingGroup& group) const;
 
   private:

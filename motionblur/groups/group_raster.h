@@ -29,10 +29,8 @@ struct GroupPicture {
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 
-/// Position of a piece of a pixel on a finer raster of square cells. A quadtree leaf is a pixel or a part of
-/// it, and the piece is one quarter of such a leaf. It covers the cells [x, x + n) x [y, y + n) of the
-/// raster. If the quarter is smaller than a cell, n is 1, and `share` is the fraction of the cell's area that
-/// it covers.
+/// The cells of a raster that a quarter of a quadtree leaf covers: [x, x + n) x [y, y + n). If the quarter is
+/// smaller than a cell, n is 1, and `share` is the fraction of the cell's area that the quarter covers.
 struct QuarterCells {
     int x = 0, y = 0, n = 1;
     float share = 1;
@@ -44,9 +42,9 @@ struct QuarterCells {
 [[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
                                              const GroupTable& table, int g);
 
-/// Calls on_leaf(leaf, surfaces) for each quadtree leaf in `window` that shows the moving group g. A leaf is
-/// a pixel or a part of it, with samples at its four corners. surfaces[k] is the group's nearest surface at
-/// corner k, or nullptr if there is none.
+/// Calls on_leaf(leaf, surfaces) for each quadtree leaf in `window` that shows an object of group g (objects
+/// that move alike). surfaces[k] is the nearest surface of the group at the leaf's corner k, or nullptr if
+/// there is none.
 template <typename OnLeaf>
 void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, const CellWindow& window,
                       int cells_per_px, const OnLeaf& on_leaf) {

@@ -24,10 +24,9 @@ glm::dvec2 displacement(const FrameMotion& motion, const IdMotion& id, double re
     return {to->x - id.centre.x, to->y - id.centre.y};
 }
 
-/// Returns whether two objects have the same displacement in the image, from the recorded instant to any
-/// instant of the exposure. If `nearest` is 0, the displacements are compared as they are. Otherwise, both
-/// are first scaled to the inverse depth `nearest` (1/m). Displacements with parallax are proportional to the
-/// inverse depth, so the scaling removes the difference that the objects' depths cause.
+/// Returns whether two objects have the same displacement in the image at all instants of the exposure. If
+/// `nearest` is above 0, both displacements are first scaled to this inverse depth, in 1/m, because
+/// displacements with parallax are proportional to inverse depth.
 bool alike(const FrameMotion& motion, const IdMotion& a, const IdMotion& b, double recorded_s,
            const Exposure& exposure, double nearest) {
     const double scale_a = nearest > 0 ? nearest / a.inverse_z : 1,
@@ -92,9 +91,9 @@ std::vector<MovingGroup> find_groups(const FrameMotion& motion, const std::vecto
         MovingGroup& group = out[g];
         std::sort(group.ids.begin(), group.ids.end());
         group.inverse_z = group.extent.centre().inverse_z;
-        // Parallax was found for all recorded instants together. If all recorded depths of the group are
-        // equal at this instant, the group has no parallax here, although its depths may differ at other
-        // instants.
+        // So far, has_parallax states whether near points of the group move farther than distant points at
+        // any recorded instant. But only the surfaces of the instant `recorded_s` are blurred. If their
+        // depths are all equal, the group has no parallax.
         group.has_parallax = group.has_parallax && group.extent.inverse_z_max > group.extent.inverse_z_min;
         const IdMotion& of = *first[g];
         const std::vector<double> breaks = motion.breaks_s(of.id);

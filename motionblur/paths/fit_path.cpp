@@ -58,10 +58,9 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     constexpr std::size_t most_used = 512;  // more than enough for a cubic; the error is tested at all points
     const double begin_s = points[first].time_s, span_s = points[last].time_s - begin_s;
     const auto share = [&](std::size_t i) { return (points[i].time_s - begin_s) / span_s; };
-    // Initial values of the cubic Bezier curve that is fitted: its four control points lie on the straight
-    // line from the curve's start to the last point. The fit then computes an offset from this line for each
-    // control point (a given `start` stays fixed). If the points do not determine an offset, for example
-    // because they are too few, regularisation keeps it near 0.
+    // The initial curve is a straight line in constant motion, from the curve's start to the last point. The
+    // fit computes how far to move its control points. If the points do not determine this, regularisation
+    // leaves the control points almost unchanged.
     Cubic out;
     const dvec2 from = start.value_or(points[first].at_px), to = points[last].at_px;
     for (int k = 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] = from + (to - from) * (k / 3.0);
@@ -94,8 +93,9 @@ struct Segment {
     Cubic cubic;
 };
 
-/// Divides the points into segments. Each segment contains as many points as one cubic can follow within the
-/// tolerance. If `joined`, each cubic begins where the previous cubic ends. Stops after `most` segments.
+/// Divides a motion path, given as points at known times, into segments. In each segment, a cubic curve
+/// follows the points within the tolerance, and the segment has as many points as this allows. If `joined`,
+/// each curve begins where the previous curve ends. Stops after `most` segments.
 std::vector<Segment> lay_segments(Points points, double tolerance_px, bool joined, std::size_t most) {
     std::vector<Segment> out;
     for (std::size_t first = 0; first + 1 < points.size() && out.size() < most;) {
@@ -144,10 +144,9 @@ std::vector<PathKnot> knots_of(Points points, const std::vector<Segment>& segmen
     return knots;
 }
 
-/// Returns the knot times of a spline with `count` segments. `segments` are those of an earlier fit to the
-/// same points. In that fit, each segment is as long as the tolerance allows, so segments are short where the
-/// motion is hard to follow. The new knots are distributed evenly over these segments, and so they lie close
-/// together where the segments are short.
+/// Returns the times of the knots of a spline with `count` segments. `segments` come from an earlier fit, in
+/// which segments are short where the motion changes quickly. So each segment of the new spline extends over
+/// the same number of earlier segments.
 std::vector<double> spread_times(Points points, const std::vector<Segment>& segments, std::size_t count) {
     std::vector<double> times{points.front().time_s};
     for (std::size_t i = 1; i < count; ++i) {
@@ -160,10 +159,9 @@ std::vector<double> spread_times(Points points, const std::vector<Segment>& segm
     return times;
 }
 
-/// Returns the times of the knots between the segments of a fitted motion path. If the velocity changes
-/// abruptly between two points, no smooth segment can follow this change for long, so the fit has a short
-/// segment there, between two long segments. The two knots of this short segment are replaced by a single
-/// knot, between its first two points.
+/// Returns the times of the knots of a motion path, without short segments at kinks. At a kink, where the
+/// velocity changes abruptly, the fit made a short segment between two long ones. Its start and end knots are
+/// replaced by a single knot, between its first two points.
 std::vector<double> times_without_kinks(Points points, const std::vector<Segment>& segments) {
     constexpr std::size_t short_pieces = 3, long_pieces = 8;
     const auto pieces = [&](std::size_t i) { return segments[i].last - segments[i].first; };

@@ -13,14 +13,16 @@ namespace {
 
 using glm::dvec2;
 
-/// Largest accepted coordinate, in cells. Up to it, rounding errors are below a thousandth of a cell.
+/// Largest accepted coordinate of a point of a motion path, in cells of the raster into which the path is
+/// drawn. Up to this value, a double has a rounding error below a thousandth of a cell.
 constexpr double farthest_cell = 1e13;
 
-/// A straight piece of a motion path, with constant velocity. `from` and `to` are the positions of its ends,
-/// in cells of the raster into which the path is drawn. 1/2 is added to each coordinate, so that the cell i
-/// covers the coordinates [i, i + 1).
+/// A straight piece of a motion path, with constant velocity.
 struct Piece {
     double begin, end;  ///< times, as fractions of the exposure
+    /// Positions of the ends, in cells of the raster into which the path is drawn. 1/2 is added to each
+    /// coordinate. So cell i, which contains the displacements that round to i, covers the coordinates [i, i
+    /// + 1).
     dvec2 from, to;
     double value_from = 1, value_to = 1;
 
@@ -29,7 +31,8 @@ struct Piece {
     }
 };
 
-/// Follows a straight piece of a motion path along one axis, from one raster cell to the next.
+/// The raster cells that a straight piece of a motion path crosses, along one axis (x or y). The piece goes
+/// from the coordinate `from` to the coordinate `to`, in cells.
 class Crossings {
   public:
     Crossings(double from, double to)
@@ -37,9 +40,8 @@ class Crossings {
 
     [[nodiscard]] double cell() const { return cell_; }
     [[nodiscard]] double count() const { return std::abs(last_ - cell_); }
-    /// Returns where the straight piece of the motion path leaves the current cell of the raster along this
-    /// axis. The result is a fraction of the piece's length, from 0 at its start to 1 at its end. In the last
-    /// cell, the piece ends before it leaves the cell, so the result is infinity.
+    /// Returns where the piece of the motion path leaves the current raster cell along this axis (x or y), as
+    /// a fraction of the piece from 0 to 1. The result is infinity if the piece ends in this cell.
     [[nodiscard]] double next() const {
         if (cell_ == last_) return std::numeric_limits<double>::infinity();
         return std::clamp(((way_ > 0 ? cell_ + 1 : cell_) - from_) / way_, 0.0, 1.0);
@@ -87,9 +89,9 @@ bool clip(Piece& piece, const CellWindow& window) {
     piece.to = mix(whole.from, whole.to, leave);
     piece.value_from = whole.value_at(enter);
     piece.value_to = whole.value_at(leave);
-    // The clipped piece of the motion path should lie inside the clipping window. But if the piece before
-    // clipping had its ends far outside the raster, rounding errors can move the new ends by more than half a
-    // raster cell. So the new ends are clamped to positions at most one cell outside the clipping window.
+    // If a piece of the motion path had its ends far outside the raster before clipping, rounding errors can
+    // move the clipped ends out of the clipping window. So they are clamped to positions at most one cell
+    // outside this window.
     for (int axis = 0; axis < 2; ++axis) {
         piece.from[axis] = std::clamp(piece.from[axis], low[axis] - 1, high[axis] + 1);
         piece.to[axis] = std::clamp(piece.to[axis], low[axis] - 1, high[axis] + 1);
@@ -113,8 +115,9 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     };
     const PathPoint &first = points.front(), &last = points.back();
     if (open_s == close_s) {
-        // If the exposure is a single instant, the object is drawn at one point of its motion path: the first
-        // point at or after this instant, or, if there is none, the last point.
+        // The exposure is a single instant, so the object does not move during it, and is drawn at one point
+        // of its motion path. This is the first point at or after this instant. If there is none, it is the
+        // last point.
         const auto at = std::find_if(points.begin(), points.end() - 1,
                                      [&](const PathPoint& p) { return p.time_s >= open_s; });
         stand(0, 1, static_cast<std::size_t>(at - points.begin()));

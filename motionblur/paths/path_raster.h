@@ -1,7 +1,6 @@
-// Draws the motion path of an object into a raster. The raster is the kernel with which the object's image is
-// convolved to blur it by its motion (i2 in [potmesil1983]). A cell of the raster stands for a displacement
-// of the object, and contains the fraction of the exposure's light that arrives while the object has this
-// displacement.
+// Draws the motion path of an object into a raster, the kernel that blurs the object's image by convolution
+// (i2 in [potmesil1983]). Each cell stands for a displacement of the object, and contains the fraction of the
+// exposure's light that arrives while the object has this displacement.
 #pragma once
 
 #include <optional>
@@ -25,15 +24,16 @@ struct PathRaster {
     int cells_per_px = 1;
     std::vector<double> weight;  ///< row by row
 
-    /// Returns the value of raster cell (x, y) that draw_path computed. The cell must lie in the raster.
+    /// Returns the value of the raster cell (x, y) that draw_path computed. The cell must lie in the raster.
     [[nodiscard]] double at(int x, int y) const {
         return weight[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(width) +
                       static_cast<std::size_t>(x - x_begin)];
     }
 };
 
-/// Limits of `draw_path`: the longest side of the drawn raster, in cells, and the number of cell borders that
-/// the motion path crosses.
+/// Limits for draw_path(), which draws a motion path into a raster of square cells. They bound its memory and
+/// time. `most_path_cells` is the largest width or height of the raster, in cells. `most_path_crossings` is
+/// the largest number of cell borders that the path may cross.
 inline constexpr double most_path_cells = 1'000'000;
 inline constexpr double most_path_crossings = 200'000'000;
 

@@ -34,8 +34,7 @@ struct ObjectPath {
 /// "FILE: ..." if `path` is not a regular file.
 [[nodiscard]] std::vector<ObjectPath> read_paths(const std::filesystem::path& path);
 
-/// For each motion path, returns the ids of the objects that it moves. A path of the file names its objects
-/// by id or by name. `names` contains the name of each id.
+/// For each motion path, returns the ids of the objects that it moves. `names` contains the name of each id.
 ///
 /// Throws Error(invalid_input) "FILE:LINE: ..." for an unknown id or name, and for an id that two paths move.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> resolve_ids(

@@ -11,9 +11,8 @@ namespace {
 
 using glm::dvec2;
 
-/// A spline is fitted to data points (positions at known times) by least squares, in several rounds. To save
-/// time, the first fit uses only some of the data points, this number per segment of the spline. Each later
-/// fit also uses the data points at which the error of the previous fit is largest.
+/// To save time, the first fit of a spline uses only this number of data points per segment. Each later fit
+/// also uses the data points at which the error of the previous fit is largest.
 constexpr std::size_t points_per_segment = 40;
 constexpr int most_rounds = 6;
 
@@ -149,7 +148,9 @@ std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::
               round > 1);
         if (!is_path(knots)) break;
         const ScreenPath path(PathKind::bezier, knots, "--fit-paths");
-        // Adds the point with the largest error of each spline segment to the least-squares problem.
+        // The path was fitted to a subset of the points, `chosen`. Finds, for each segment of the path, the
+        // point that lies farthest from it. If its distance exceeds the tolerance, it is added to `chosen`
+        // for the next round.
         std::vector<std::size_t> worst(knots.size() - 1, 0);
         std::vector<double> worst_px(knots.size() - 1, 0.0);
         for (std::size_t i = 0; i < scaled.size(); ++i) {

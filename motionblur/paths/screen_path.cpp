@@ -79,12 +79,12 @@ void require_order(double open_s, double close_s, double tolerance_px) {
     }
 }
 
-// The error of a linear piece of a motion path is measured at these fractions of its duration. They are
-// asymmetric to detect a motion that turns back halfway.
+// The distance between a curved motion path and its linear approximation is measured at these fractions of a
+// linear piece's duration. They are not symmetric about 0.5, because a motion that turns back halfway passes
+// the same positions in both halves.
 constexpr std::array<double, 5> test_shares{0.1271, 0.3094, 0.5, 0.7071, 0.8819};
-// A curved motion path is approximated by linear pieces. The error of a piece is measured only at the
-// instants of `test_shares`, so between these instants it can be larger. Therefore, the measured error may
-// reach only this fraction of the tolerance.
+// Fraction of the tolerance that the measured error of a linear piece may reach. The error is measured only
+// at a few of the piece's instants, `test_shares`, and can be larger between them.
 constexpr double tested_tolerance = 0.75;
 
 }  // namespace
@@ -184,10 +184,9 @@ std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at, std:
                    tested_tolerance * tolerance_px;
         });
     };
-    // Halves the pieces of the path until each is nearly straight. In each round, every piece that is not
-    // nearly straight is halved once. `most_path_points` may end this early. Because all pieces are halved
-    // equally often by then, the limit increases the error of all pieces, and not only of those at the end of
-    // the path.
+    // In each round, every piece of the path that is not nearly straight is halved once. So if
+    // `most_path_points` ends this early, the error increases in all these pieces, and not only in those at
+    // the end of the path.
     for (int halving = 0; halving < most_halvings && pieces.size() < most_path_points; ++halving) {
         std::vector<Piece> next;
         next.reserve(2 * pieces.size());

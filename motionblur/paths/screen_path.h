@@ -66,11 +66,10 @@ class ScreenPath {
     std::vector<PathKnot> knots_;
 };
 
-/// Approximates the position `at`, a function of time, by pieces of constant velocity. `breaks_s` contains,
-/// in increasing order, the instants at which the velocity may change abruptly.
-///
-/// There are at least 16 pieces. Each is halved, at most 20 times, until its error at five instants is below
-/// `tolerance_px`. `at` must return finite positions.
+/// Approximates the position `at`, a function of time, by at least 16 pieces of constant velocity. Each is
+/// halved, at most 20 times, until its error at five instants is below `tolerance_px`. `breaks_s` contains,
+/// in increasing order, the instants at which the velocity may change abruptly. `at` must return finite
+/// positions.
 [[nodiscard]] std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at,
                                              std::span<const double> breaks_s, double open_s, double close_s,
                                              double tolerance_px = 0.01);

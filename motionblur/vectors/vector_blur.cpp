@@ -31,9 +31,9 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Constants for the reprojection of patches, which are planar parts of the image. `exact_px` is the largest
-/// error, in px, of the position of a reprojected patch. `overlap_px` is the distance, in px, by which each
-/// patch is enlarged. Without this enlargement, rounding could leave cracks between adjacent patches.
+/// Constants for patches, the planar parts into which surfaces are divided. `exact_px` is the largest
+/// accepted error, in px, of a patch's position. `overlap_px` is the distance, in px, by which each patch is
+/// enlarged on all sides, so that rounding leaves no cracks between patches.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 
@@ -77,11 +77,12 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
     return known ? weight : std::vector<float>();
 }
 
-/// Returns `picture` with the background behind moving objects, interpolated from other pixels. If `weight`
-/// is not empty, these are the pixels whose `weight` is 1. Otherwise, they are the pixels of the blurred
-/// image `seen` that show a surface in at least one view (image at a single instant).
+/// Returns `picture` with the background behind moving objects, interpolated from the pixels k with weight[k]
+/// = 1, which are known to show background.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
+    // Without `weight`, the background is interpolated from pixels of the blurred image `seen`: those that
+    // show a surface in at least one of the averaged views (images at single instants).
     if (weight.empty()) {
         weight.resize(seen.unknown.size());
         for (std::size_t k = 0; k < weight.size(); ++k) {
@@ -115,10 +116,9 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
-        // Moving objects may uncover background that is not recorded. It is interpolated from pixels that do
-        // not move. If there are too few of these, `still` is empty, and the background is interpolated from
-        // the blurred image instead. In this case, pixels outside the crop contribute too. Therefore, the
-        // whole image is blurred, so that the result does not depend on the crop.
+        // The uncovered background is interpolated from static pixels, which are marked in `still`. If there
+        // are too few of them, `still` is empty, and the pixels of the blurred image `seen` are used instead.
+        // Then the whole image is blurred, because the result must not depend on the crop.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

@@ -15,8 +15,8 @@ struct VectorBlurSettings {
     std::optional<Crop> crop;  ///< as in MotionBlurSettings
 };
 
-/// Blurs an image by its motion vectors. Gaps are filled from the pixels around them, with the warning
-/// "uncovered".
+/// Blurs an image by its motion vectors. Gaps that moving objects uncover are filled from the pixels around
+/// them, and the warning "uncovered" is added to the result.
 ///
 /// The result is bit-identical for any number of threads. If nothing moves, it equals the image. Throws
 /// Error(wrong_arguments) and Error(out_of_memory).

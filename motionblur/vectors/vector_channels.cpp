@@ -24,10 +24,9 @@ constexpr std::array<std::array<const char*, 2>, 5> pairs{
 
 std::vector<Convention> conventions(bool own_file) {
     std::vector<Convention> out{{forward, "u", "v", {1, -1}},
-                                // Blender's Vector pass stores, in the channels (Z, W), this frame's position
-                                // minus the next frame's position. Z is measured to the right and W upwards.
-                                // So -Z is the motion to the right until the next frame, and W is the motion
-                                // down.
+                                // Blender's channels (Z, W) hold this frame's position minus the next frame's
+                                // position, to the right and upwards. The factors in braces convert them to
+                                // the motion until the next frame, to the right and down.
                                 {vector, "Z", "W", {-1, 1}},
                                 {motion, "x", "y", {1, 1}}};
     for (const auto& [u, v] : std::span(pairs).subspan(1)) out.push_back({motion, u, v, {1, 1}, false});
@@ -48,7 +47,9 @@ VectorChannels named(const ForeignFile& file, const ChannelGroup& own, const Vec
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         const ForeignPart& part = file.parts()[i];
         if (!may_hold(file, i) || !part.has(u) || !part.has(v)) continue;
-        // Prefers the file part that contains the colours, then parts of the same stereo view as the colours.
+        // Selects the file part whose channels `u` and `v` contain the motion vectors. Of several parts that
+        // have these channels, the part with the colours is preferred, and then a part with the same stereo
+        // view as the colours.
         const auto better = [&](std::size_t one, std::size_t other) {
             const auto order = [&](std::size_t k) {
                 return std::pair(k != own.part, file.parts()[k].view != file.parts()[own.part].view);

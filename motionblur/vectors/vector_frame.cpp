@@ -18,8 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double longest_vector = 1e6;  ///< largest accepted length of a vector, px
-/// Largest accepted number of pixels in the file's data window and display window together. Pixels are
-/// numbered by integers of 32 bits, of which some are flags.
+/// Largest accepted number of pixels in the data window of a file (its stored pixels) together with its
+/// display window (the visible image). The pixels are numbered by integers of 32 bits. Some of these bits
+/// serve as flags, so fewer than 2^32 numbers are available.
 constexpr std::uint64_t most_pixels = 1U << 29U;
 
 class Reader {
@@ -60,9 +61,9 @@ class Reader {
         const std::size_t id_part = colours_.matte ? colours_.matte->ranks[0].part : colours_.id_part;
         const ForeignChannels& c = colours_;
         list_.emplace(file_, c.part);
-        // The channels may be in different parts of the OpenEXR file, and these parts may have different data
-        // windows (rectangles of stored pixels). The last argument is the value of a channel at pixels that
-        // its part does not store. These pixels are thus black, static and infinitely far away.
+        // Adds the needed channels of the OpenEXR file to a list. The last argument of add() is the value of
+        // the channel in pixels that the file does not store. So these pixels are black, static and
+        // infinitely far away.
         rgb_ = {list_->add(c.part, c.r, 0), list_->add(c.part, c.g, 0), list_->add(c.part, c.b, 0)};
         u_ = list_->add(vectors_.part, vectors_.u, static_cast<float>(vectors_.offset.x));
         v_ = list_->add(vectors_.part, vectors_.v, static_cast<float>(vectors_.offset.y));
@@ -129,7 +130,8 @@ class Reader {
         return channel_group(file_, c.part, c.layer, colour_words);
     }
 
-    /// Returns the argument of --layer with which a user would select `group`, if any.
+    /// Returns the argument with which the option --layer selects the colours of `group` (a stereo view and a
+    /// layer of the file). Returns empty if the file has no such colours.
     [[nodiscard]] std::optional<std::string> layer_of(const ChannelGroup& group) const {
         for (std::size_t i = 0; i < file_.parts().size(); ++i) {
             const ForeignPart& part = file_.parts()[i];

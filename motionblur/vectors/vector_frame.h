@@ -24,8 +24,8 @@ struct VectorPixel {
 
 struct VectorFrame {
     int width = 0, height = 0;  ///< size of the display window, px, which is the raster
-    /// Pixels that the file stores, [x_begin, x_end) x [y_begin, y_end). They may extend beyond the display
-    /// window.
+    /// The rectangle of pixels that the file stores: [x_begin, x_end) x [y_begin, y_end). It may extend
+    /// beyond the display window, which is the visible image.
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<VectorPixel> pixels;  ///< row-major
     bool has_z = false, has_alpha = false;

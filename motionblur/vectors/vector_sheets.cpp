@@ -35,9 +35,9 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Memory, in bytes, that the sheets (parts of surfaces) need for each pixel that the frame stores.
-        // The check below requires twice this memory, because an array that grows reserves up to twice the
-        // memory that it uses.
+        // Memory, in bytes, for each pixel that the frame stores. The pixels are converted to sheets (parts
+        // of surfaces) with planes, nodes and texels for each pixel. require_memory() requires twice this
+        // memory, because an array that grows reserves up to twice the memory that it uses.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
@@ -59,7 +59,8 @@ class SheetMaker {
     }
 
   private:
-    /// Adds one empty mesh square, which is black. All parts of the image without stored pixels use it.
+    /// Adds an empty square of texels, which are black, to the mesh of the image. All squares of the image in
+    /// which the file stores no pixels refer to it.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});
@@ -188,9 +189,9 @@ class SheetMaker {
         const bool to_side = joined(&p, side), to_over = joined(&p, over);
         const bool side_across = joined(side, across), over_across = joined(over, across);
         const bool has_across = (to_side && side_across) || (to_over && over_across);
-        // Each of the up to four pixels that share this corner computes this mean separately. So that all
-        // results are bit-identical, `parts` arranges the pixels by their position, and their velocities are
-        // always added in this order.
+        // `parts` holds the pixels around the corner that show the same surface as `p`, arranged by row and
+        // column. Their velocities are always added in this order, so that the rounding of the sum does not
+        // depend on which of them is `p`.
         const VectorPixel* parts[2][2];
         const int i = dx < 0 ? 1 : 0, j = dy < 0 ? 1 : 0;
         parts[j][i] = &p;

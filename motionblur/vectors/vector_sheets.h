@@ -1,4 +1,5 @@
-// Converts an image with motion vectors to sheets: connected surfaces with a velocity per pixel.
+// Converts an image with motion vectors to sheets. A sheet is a connected part of a surface, of which each
+// pixel has a colour and a velocity in the image. From sheets, images of other instants can be made.
 #pragma once
 
 #include "motionblur/vectors/vector_frame.h"

@@ -77,8 +77,8 @@ bool preview_fills(ByteView value) {
 }
 
 /// Returns an upper bound of the memory, in bytes, that the OpenEXR library allocates for one chunk (a tile,
-/// or rows that are compressed together). It needs 4 bytes per channel and pixel. The header of a part
-/// without tiles may also state a tile size, so this size is used only if `tiled` is true.
+/// or rows that are compressed together). It needs 4 bytes per channel and pixel. If `tiled` is false, a tile
+/// size in the part's header is ignored.
 std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     const auto window = part.get_window("dataWindow");
     const auto channels = part.raw("channels", "chlist");
@@ -104,7 +104,7 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         return pixel * std::min(tile[0], widest_tile) * std::min(tile[1], widest_tile);
     }
     // If the header states no data window (the rectangle of stored pixels), the OpenEXR library assumes a
-    // small image. This needs hardly any memory, so the bound is 0.
+    // small image. Its chunks need hardly any memory, so the bound is 0.
     if (!window) return 0;
     const std::int64_t width = std::int64_t{window->x_max} - window->x_min + 1;
     return width > 0 ? pixel * static_cast<std::uint64_t>(width) * rows[std::min(packed, rows.size() - 1)]

@@ -14,8 +14,8 @@ namespace postlens {
 inline constexpr std::uint32_t exr_magic = 20000630;
 
 /// Returns true if `value`, the bytes of an attribute of the type `type`, has the size that OpenEXR defines
-/// for this type. Also returns true if OpenEXR does not define the type. The OpenEXR library (version 3.1)
-/// mostly ignores a wrong size. It would then read on at a wrong position, and might allocate gigabytes.
+/// for this type, or if OpenEXR does not define the type. After a wrong size, the OpenEXR library would read
+/// on at a wrong position, and might allocate gigabytes.
 [[nodiscard]] bool fills_its_size(std::string_view type, ByteView value);
 
 /// Largest accepted size of an uncompressed chunk. It is enough for 64 channels of 65536 px in 16 rows, or

@@ -21,7 +21,8 @@ std::vector<std::string> sorted_words(std::string_view name) {
     return out;
 }
 
-/// Returns true for names that libraries give to unnamed parts: "subimage" or "part", followed by a number.
+/// Returns true if a name was invented for an unnamed part of an OpenEXR file: "subimage" or "part", followed
+/// by a number. Libraries that write such files use these names.
 bool is_number_of_part(const std::string& word) {
     for (const std::string_view stem : {"subimage", "part"}) {
         if (word.size() > stem.size() && word.starts_with(stem) &&

@@ -46,10 +46,9 @@ struct ChannelGroup {
     bool has_pass = false;           ///< the names contain a word that names the pass
 };
 
-/// Returns the group (stereo view and layer) of those channels in a file part whose names begin with
-/// `prefix`. For example, for the channel left.diffuse.R, `prefix` is "left.diffuse.", the view is left and
-/// the layer is diffuse. An empty prefix means channels without a layer. `pass` lists words that name a pass,
-/// such as depth, and are not part of a layer's name.
+/// Returns the stereo view and the layer of the channels whose names begin with `prefix`. For example, the
+/// prefix "left.diffuse." has the view left and the layer diffuse. An empty prefix means channels without a
+/// layer. `pass` lists the words that name a pass, such as depth, and are not a part of the layer's name.
 [[nodiscard]] ChannelGroup channel_group(const ForeignFile& file, std::size_t part, std::string_view prefix,
                                          PassWords pass);
 
@@ -68,16 +67,16 @@ struct GroupMatch {
     bool surmised = false;  ///< the names do not prove that the channel belongs to the colours
 };
 
-/// Returns true if a name belongs to a component of a normal, a position or a motion.
+/// Returns true if the words of a channel's name (words_of) name a normal, a position or a motion.
 [[nodiscard]] bool names_vectors(const std::vector<std::string>& words);
 
 /// Returns true if `word`, a word of a channel's name, is one of `words`. These words all name the same pass,
 /// for example depth.
 [[nodiscard]] bool has_word(PassWords words, std::string_view word);
 
-/// If the name of a channel, `name`, is that of a depth, returns the channel as a candidate. From several
-/// candidates, match_group() then selects the depth that belongs to a layer of colours. Returns empty if the
-/// channel has another name.
+/// If a channel of the file part `part` is named like a depth, returns it as a candidate for the depth of an
+/// image layer. Otherwise, returns empty. match_group() then selects the candidate that belongs to the
+/// selected colours.
 [[nodiscard]] std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size_t part,
                                                             const std::string& name);
 

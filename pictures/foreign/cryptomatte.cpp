@@ -18,9 +18,9 @@
 namespace postlens {
 namespace {
 
-/// Largest number of channel groups (NAME00, NAME01, ...) that are read from a Cryptomatte. For each pixel, a
-/// group describes the two surfaces that cover most of it after those in earlier groups. So 32 surfaces are
-/// read in total. Any further surface covers too little of a pixel to matter.
+/// Largest number of channel groups that are read from one Cryptomatte. Each group describes two surfaces for
+/// each pixel, and the groups are sorted by coverage. Any surface after the first 32 covers too little of the
+/// pixel to matter.
 constexpr int most_layers = 16;
 constexpr std::size_t most_sets = 64;
 /// Names in messages are cut to this length.
@@ -37,9 +37,9 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// Returns true if the file part `part` may contain Cryptomattes (sets of object masks) of the image in the
-/// part `own`. If the user gave a separate file for ids, only the parts of this separate file may contain
-/// them. Otherwise, the part must have the same stereo view as `own`.
+/// Returns true if the file part `part` may contain Cryptomattes (sets of object masks) for the image whose
+/// colours are in the part `own`. If the user gave a separate file for object ids, only its parts may.
+/// Otherwise, the parts with the same stereo view as the colours may.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;
@@ -131,8 +131,9 @@ constexpr std::string_view before_id = R"(":")", before_name = R"(",")";
 /// Number of digits in the ids of Cycles.
 constexpr std::size_t id_digits = 8;
 
-/// Finds the end of the name that begins at `begin` in a Cryptomatte manifest of the renderer Cycles. A
-/// manifest consists of pairs "name":"id". Returns npos if no id follows the name.
+/// Returns the end of an object's name in a Cryptomatte manifest, or npos. The name begins at the index
+/// `begin`. It may contain quotation marks, so it ends only where `before_id` (the characters between name
+/// and id) and a valid id follow.
 std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     for (std::size_t at = manifest.find(before_id, begin); at != std::string::npos;
          at = manifest.find(before_id, at + 1)) {
@@ -144,10 +145,9 @@ std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     return std::string::npos;
 }
 
-/// Reads a Cryptomatte manifest, which is a JSON text with object names and ids, if it is not correct JSON:
-/// names may contain quotation marks and backslashes that are not escaped. So a quotation mark need not end a
-/// name. Instead, end_of_name() finds the end of a name by the id that follows it. Returns empty if the text
-/// has another form.
+/// Reads a Cryptomatte manifest (a list of object names and ids) in which quotation marks and backslashes of
+/// names are not escaped. So end_of_name() finds the end of each name by the id that must follow it. Returns
+/// empty if this fails.
 std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
     if (!manifest.starts_with("{\"")) return std::nullopt;
     auto objects = nlohmann::json::object();
@@ -184,10 +184,9 @@ std::string as_json(std::string manifest) {
 /// Largest size of a manifest file that is read.
 constexpr std::uintmax_t most_manifest_bytes = 64U << 20U;
 
-/// Returns the text of a manifest, the list of object names and ids that belongs to a Cryptomatte. The image
-/// `image` does not contain this manifest, but gives the name of a separate file, `name`. Cryptomatte
-/// requires that this file is in the folder of the image, so a name with a folder is rejected. Returns empty
-/// if the file cannot be read.
+/// Returns the text of a manifest, the list of object names and ids of a Cryptomatte, or empty if it cannot
+/// be read. Cryptomatte requires that its file, `name`, is in the folder of the image `image`, so a name with
+/// a folder is rejected.
 std::string text_beside(const std::string& image, const std::string& name) {
     namespace fs = std::filesystem;
     if (fs::path(name).filename() != fs::path(name)) return "";
@@ -312,9 +311,9 @@ std::uint32_t cryptomatte_id(std::string_view name) {
     hash = (hash ^ hash >> 16U) * 0x85ebca6bU;
     hash = (hash ^ hash >> 13U) * 0xc2b2ae35U;
     hash ^= hash >> 16U;
-    // A Cryptomatte stores the hash as the bits of a float. If the exponent bits are all 0 or all 1 (255),
-    // the float is zero, denormal, infinite or NaN, and a compositor may change its bits. To avoid such
-    // floats, the Cryptomatte specification flips the lowest bit of the exponent.
+    // A Cryptomatte stores the hash as the bits of a float. If the exponent bits are all 0 or all 1 (255), a
+    // compositor may change the bits. To avoid such floats, the Cryptomatte specification flips the lowest
+    // bit of the exponent.
     const std::uint32_t exponent = hash >> 23U & 255U;
     if (exponent == 0 || exponent == 255) hash ^= 1U << 23U;
     return hash;

@@ -13,11 +13,12 @@
 
 namespace postlens {
 
-/// Names the two channels of one rank of a Cryptomatte. A rank describes one of the surfaces in each pixel.
-/// The channel `id` holds the surface's id as the bits of a float, and `coverage` the covered fraction of the
-/// pixel.
+/// The two channels of a Cryptomatte that describe the surface with a certain rank in each pixel. The
+/// surfaces of a pixel are ranked by the fraction of the pixel that they cover.
 struct MatteRank {
     std::size_t part = 0;
+    /// Names of the channels. The channel `id` holds the surface's id, as the bits of a float. The channel
+    /// `coverage` holds the fraction of the pixel that the surface covers.
     std::string id, coverage;
 };
 

@@ -61,9 +61,9 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
         return std::tie(a.z, a.kind, a.volume) < std::tie(b.z, b.kind, b.volume);
     });
-    // `mixed` tells whether the volumes of this pixel must be divided into slices at certain depths. This is
-    // so only if a surface or another volume begins inside a volume, because then the surface lies within the
-    // volume, or two volumes overlap. `around` is the number of volumes that contain the current depth.
+    // Determines `mixed`: whether the volumes of this pixel must be divided into slices. This is necessary if
+    // a surface or another volume begins inside a volume. `around` is the number of volumes that have begun
+    // and have not ended.
     bool mixed = false;
     int around = 0;
     for (const Event& e : events) {

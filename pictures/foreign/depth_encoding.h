@@ -13,7 +13,8 @@ struct DepthEncoding {
     Kind kind = Kind::distance;
     double at_0 = 0, at_1 = 1;
 
-    /// Converts a stored depth value to a distance. The results 0 and infinity mean infinitely far.
+    /// Converts a depth value of the file, which is encoded as `kind` states, to a distance in the file's
+    /// unit. The results 0 and infinity mean that the pixel shows no surface.
     [[nodiscard]] float distance(float value) const {
         switch (kind) {
             case Kind::distance:

@@ -109,18 +109,20 @@ class Mender {
         look(width_, [this](std::size_t x, Edges& out) { look_along(x, width_, height_, out); });
     }
 
-    /// True if the depths a and b of neighbouring pixels are so close that both pixels lie on the same side
-    /// of a depth edge. `step` is the difference of the depths across the edge. a and b may differ by at most
-    /// the fraction `plateau` of it. Two infinite depths also count as close, because a == b.
+    /// True if the neighbouring pixels with the depths a and b lie on the same side of a depth edge near
+    /// them. Then a and b differ by at most the fraction `plateau` of `step`, the change of depth at this
+    /// edge.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
+        // Two infinite depths are equal, but their difference is not a number.
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
 
-    /// True if the depths of two neighbouring pixels differ by at most 1/60 of the nearer depth. A run of
-    /// such pixels contains no depth edge. This is because, at an edge, the depth changes by more than the
-    /// fraction `least_step` within at most longest_ramp + 1 pixels, but so many steps of 1/60 change it by
-    /// less: (1 + 1 / 60)^(longest_ramp + 1) < 1 + least_step.
+    /// True if the depths of two neighbouring pixels are almost equal: they differ by at most 1/60 of the
+    /// nearer depth.
     [[nodiscard]] static bool is_even(float a, float b) {
+        // A run of pixels with such small steps contains no depth edge. An edge has at most longest_ramp + 1
+        // steps, over which the depth grows by a factor above 1 + least_step, but (1 + 1 / 60)^(longest_ramp
+        // + 1) < 1 + least_step.
         constexpr double most = 1.0 / 60;
         const auto x = static_cast<double>(a), y = static_cast<double>(b);
         return std::abs(x - y) <= most * std::min(std::abs(x), std::abs(y));
@@ -130,9 +132,9 @@ class Mender {
         const auto at = [&](std::size_t i) { return depth_[first + i * stride]; };
         std::size_t even_end = 1;  // depths change little from `begin` to here
         for (std::size_t begin = 1; begin + 2 < count; ++begin) {
-            // Skips a pixel at which no depth edge can begin. A depth edge that begins at the pixel `begin`
-            // ends at the pixel `last` or before. If the depths of all neighbouring pixels from `begin` to
-            // `last` are nearly equal, there is no such edge, so the search continues with the next pixel.
+            // Skips the pixel `begin` if no depth edge can begin there. An edge from `begin` has at most
+            // longest_ramp + 1 steps, so it ends at the pixel `last` or before. If the depth changes very
+            // little in each of these steps, there is no edge.
             const std::size_t last = std::min(begin + longest_ramp + 1, count - 1);
             even_end = std::max(even_end, begin);
             while (even_end < last && is_even(at(even_end), at(even_end + 1))) ++even_end;
@@ -148,10 +150,10 @@ class Mender {
                 if (!is_plateau(step, b, at(end + 1))) continue;
                 if (length > 0 && !leads_evenly(at, begin, end, plateau * step)) continue;
                 ++(length > 0 ? out.ramps : out.jumps);
-                // Estimates the depths `before` and `after` of the two surfaces at the edge. The filter of
-                // the other program mixed these depths in the pixels between `begin` and `end`, and perhaps
-                // slightly in these two pixels as well. So each depth is extrapolated from pixels farther
-                // from the edge.
+                // Estimates the depths of the two surfaces at a depth edge, `before` and `after`. The pixels
+                // from `begin` to `end` may have mixed depths, because the program that wrote the file
+                // filtered them. So each depth is extrapolated from the two nearest pixels outside this
+                // range.
                 const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
                             after = goes_on(at(end + 1), end + 2 < count ? at(end + 2) : at(end + 1), step);
                 const auto is_empty = [&](std::size_t i) {
@@ -175,10 +177,9 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // A ramp is a run of pixels whose depths are mixtures of two surfaces' depths, so the depth changes
-        // in every step from `begin` to `end`. If it hardly changes in the first or in the last step (by less
-        // than 0.2 `least`), the pixel at that end shows only one surface. The ramp is then shorter than this
-        // run, so the run is rejected.
+        // A run of pixels is not a ramp (a filtered depth edge) if the depth changes very little in its first
+        // or last step, because the pixel at this end then shows only one surface. `least` is the largest
+        // difference between depths that count as equal at this edge.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -200,10 +201,9 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // The search along rows and the search along columns may both find that this pixel's depth is mixed
-        // from two surfaces. Of these two results, keeps the one whose surfaces differ more in depth. In the
-        // direction parallel to the edge, all pixels may have mixed depths, so the two depths that are found
-        // in this direction may be mixed, too, and differ too little.
+        // A pixel at a depth edge may be found twice, because edges are searched along rows and along
+        // columns. The result in which the two surfaces' depths differ more is kept. The other search may run
+        // parallel to the edge, where the neighbours' depths are mixed as well.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }

@@ -74,9 +74,9 @@ std::optional<double> half_width_tangent(const Matrix44& world_to_camera, const 
     const auto projection = projection_of(world_to_camera, world_to_ndc);
     if (!projection || is_parallel(*projection)) return std::nullopt;
     const double x = std::abs((*projection)[0][0]), w = std::abs((*projection)[2][3]);
-    // `middle` is the horizontal coordinate of the image centre in normalised device coordinates. If it is
-    // near 0.5, these coordinates run from 0 to 1. If it is near 0, they run from -1 to 1. `half` is half of
-    // the range, accordingly 0.5 or 1.
+    // In normalised device coordinates, the image may extend from 0 to 1 or from -1 to 1, depending on the
+    // program that wrote the file. `middle`, the horizontal coordinate of the image centre, tells which.
+    // `half` is half of the range: 0.5 or 1.
     const double middle = std::abs((*projection)[2][0]) / w;
     const double half = middle > 0.25 && middle < 0.75 ? 0.5 : 1;
     const double tangent = half * w / x;

@@ -47,10 +47,9 @@ struct ForeignCamera {
 [[nodiscard]] ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part,
                                            const ForeignCameraChoice& choice);
 
-/// Returns the tangent of half the horizontal angle of view. It is derived from two matrices in the OpenEXR
-/// header: worldToCamera, and worldToNDC, which maps to normalised device coordinates (NDC). NDC may run from
-/// 0 to 1, as OpenEXR specifies, or from -1 to 1. Returns empty unless the matrices describe a perspective
-/// projection.
+/// Returns the tangent of half the horizontal angle of view, from two matrices in the OpenEXR header. The
+/// normalised device coordinates of worldToNDC may run from 0 to 1, as OpenEXR specifies, or from -1 to 1.
+/// Returns empty unless the matrices describe a perspective projection.
 [[nodiscard]] std::optional<double> half_width_tangent(const Matrix44& world_to_camera,
                                                        const Matrix44& world_to_ndc);
 

@@ -21,9 +21,9 @@ std::string behind(const ForeignPart& part, const std::string& layer, const Chan
     return first_channel(part, names);
 }
 
-/// Returns the channels that may contain a pass, such as depth or ids, as candidates. The function `add(part,
-/// name, out)` is called for each channel `name` of each file part number `part` that may have the pass
-/// `use`. It appends the channel to `out` if the name fits the pass.
+/// Returns the channels that may contain the pass `use` of the image with the colours `colours`. A pass is an
+/// additional image, such as depth or ids. If the channel `name` fits the pass, the function `add(part, name,
+/// out)` appends it to `out`.
 template <typename Add>
 std::vector<GroupCandidate> candidates_of(const ForeignFile& file, const ForeignChannels& colours,
                                           PartUse use, const Add& add) {
@@ -59,8 +59,9 @@ class Finder {
     void find_alpha() {
         out_.alpha_part = out_.part;
         out_.a = behind(part_, out_.layer, alpha_names);
-        // A channel with the name "a" is accepted as alpha only if the red channel has the name "r". If the
-        // red channel is "R", alpha would be "A", so "a" must have another meaning.
+        // Channels of colours and alpha are named either R, G, B, A or r, g, b, a. So a channel "a" is
+        // accepted as alpha only if the red channel is named "r". Beside "R", a channel "a" must have another
+        // meaning.
         if (out_.a == out_.layer + "a" && out_.r != out_.layer + "r") out_.a.clear();
         if (!out_.a.empty() || part_.deep) return;
         const auto found =
@@ -116,10 +117,9 @@ class Finder {
         ChannelNames sets;
         std::string left;  // existing channels that belong to another layer
         if (!part_.deep) take_matte(sets, left);
-        // `out_.problems` reports the Cryptomattes (sets of object masks) that cannot be used, for example
-        // because channels are missing. If the user named the channel with the object ids (`choice_.ids`),
-        // the other Cryptomattes of the file are not needed. So these reports are moved to `unusable` and
-        // cause no warning.
+        // `out_.problems` now reports all Cryptomattes (sets of object masks) that cannot be used. If the
+        // user named the channel with the object ids (`choice_.ids`), no other Cryptomatte is needed, so the
+        // reports are moved to `unusable` and cause no warning.
         const ChannelNames unusable = choice_.ids.empty() ? ChannelNames() : std::exchange(out_.problems, {});
         if (out_.matte) return;
         if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));
@@ -153,11 +153,11 @@ class Finder {
         return file_.name();
     }
 
-    /// Returns the index of the part of the OpenEXR file that has a channel `name`. If the user gave a
-    /// separate file for the pass `use`, only its parts are searched. Otherwise, if several parts have the
-    /// channel, the part with the colours is preferred, and then a part of the same stereo view. Returns
-    /// empty if no part has it.
+    /// Returns the index of the file part that has the channel `name` of the pass `use`, such as depth. The
+    /// part with the colours is preferred, and then a part with the same stereo view. Returns empty if no
+    /// part has it.
     [[nodiscard]] std::optional<std::size_t> part_with(const std::string& name, PartUse use) const {
+        // If the user gave a separate file for this pass, only the parts of this file are searched.
         const bool own_file = file_.has_own_file(use);
         if (!own_file && part_.has(name)) return out_.part;
         if (!own_file && part_.deep) return std::nullopt;
@@ -193,9 +193,9 @@ class Finder {
                 to.push_back(*std::move(depth));
             });
         if (!own_file || !found.empty()) return found;
-        // If the user gave a separate file for depths, a channel may be the depth although its name does not
-        // say so. If a part of this file has a single channel, this channel is accepted under any name. Of
-        // several channels, R, Y or V is accepted, because some programs write depths as a grey RGB image.
+        // No channel is named like a depth, but the user gave a separate file for depths. So the only channel
+        // of a file part is accepted, and also a channel R, Y or V, because some programs write depths as a
+        // grey RGB image.
         return candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
             const std::string letter = split_channel(name).second;
             if (file_.parts()[part].channels.size() == 1 || letter == "R" || letter == "Y" || letter == "V")
@@ -226,10 +226,9 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // A Cryptomatte (set of object masks) may be stored in another part of the file than its colours.
-            // The function match_group() decides by the layer to which of the colours a candidate belongs,
-            // but it prefers a candidate in the same part. So that only the layers matter, the candidate's
-            // part is set to that of the colours.
+            // Each candidate is a Cryptomatte (set of object masks) that may belong to the selected colours.
+            // match_group() would prefer a candidate in the file part of these colours. But a Cryptomatte may
+            // be stored in another part, so all candidates get the part of the colours.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

@@ -58,9 +58,11 @@ int rank(const ForeignFile& file, std::size_t part, const std::string& layer) {
     return has_any_word(words, {"rgba", "beauty", "color", "ci"}) ? 2 : 3;
 }
 
-/// Returns how well a layer matches the name `asked`, which the user requested. 0 is best: the part, the
-/// stereo view or the layer has this name, the layer's name begins with it, or `asked` is empty. 1 means that
-/// these names together contain all words of `asked`, in any order. 2 means no match.
+/// Returns how badly a layer of colours fits the name `asked`, which the user requested:
+/// - 0: the file part, the stereo view or the layer has this name, the layer's name begins with it, or
+///   `asked` is empty.
+/// - 1: the names of the part, view and layer together contain all words of `asked`, in any order.
+/// - 2: it does not fit.
 int misfit(const ForeignFile& file, std::size_t part_number, const std::string& layer,
            const std::string& asked) {
     const ForeignPart& part = file.parts()[part_number];
@@ -77,12 +79,13 @@ int misfit(const ForeignFile& file, std::size_t part_number, const std::string& 
     return all && !wanted.empty() ? 1 : 2;
 }
 
-/// Identifies the layer to which a channel belongs. Colours and a depth channel belong together if their
-/// owners are equal. An owner consists of the file part (only for deep images, because there each part has
-/// its own samples), the stereo view, and the words of the layer's name.
+/// An owner identifies the layer to which a channel belongs. Colours and a depth belong together if their
+/// owners are equal. An owner consists of the file part (only for deep images), the stereo view, and the
+/// words of the layer's name.
 using Owner = std::tuple<std::optional<std::size_t>, std::string, std::vector<std::string>>;
 
 Owner owner_of(const ForeignFile& file, const ChannelGroup& group) {
+    // In a deep image, colours and depth must be in the same part, because each part has its own samples.
     const bool deep = file.parts()[group.part].deep;
     return {deep ? std::optional(group.part) : std::nullopt, group.view, group.layer};
 }
@@ -99,9 +102,9 @@ std::set<Owner> owners_of_depths(const ForeignFile& file) {
     return out;
 }
 
-/// Returns the layer that matches the name `asked`, which the user requested, best: the index of its file
-/// part, and its prefix in this part. Returns empty if no layer matches. The function `layers_of` lists the
-/// layers of a part that are considered.
+/// Returns the layer that best fits the name `asked`, which the user requested, or empty if no layer fits.
+/// The layer is returned as the index of its file part and the prefix of its channel names. `layers_of` lists
+/// the layers of a part that are considered.
 template <typename LayersOf>
 std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile& file,
                                                               const std::string& asked,
@@ -115,10 +118,9 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : layers_of(file.parts()[i])) {
             const ChannelGroup group = channel_group(file, i, layer, colour_words);
-            // A stereo file has a left and a right view. If the header of the file part does not state a
-            // view, the channel names may contain one, for example "left.R". Of several layers that differ
-            // only in this view, the layer whose view comes first in the file's attribute `multiView` is
-            // preferred.
+            // A stereo file lists its views in the attribute `multiView`. If a file part does not state its
+            // view, the names of its channels may state it, for example "left.R". Of layers that differ only
+            // in the view, the one of the first listed view is preferred.
             const auto view = std::find(views.begin(), views.end(), group.view);
             const bool by_name = file.parts()[i].view.empty() && view != views.end();
             // The name `asked`, which the user requested, may match several layers. For example, "ViewLayer"

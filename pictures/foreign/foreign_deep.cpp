@@ -94,10 +94,9 @@ class DeepBand {
     std::uint64_t total_ = 0;
 };
 
-/// Checks the sizes that the chunks (blocks of rows, or tiles) of a deep file state. The OpenEXR library
-/// allocates as much memory as a chunk states, so a damaged file could exhaust the memory. To query a size,
-/// the library moves its read position in the file. Therefore, this class opens the file a second time, and
-/// does not disturb the reading of pixels.
+/// Checks the sizes that the chunks (blocks of rows, or tiles) of a deep file state, because a wrong size
+/// could make the OpenEXR library exhaust the memory. The file is opened a second time, because such a query
+/// moves the library's read position.
 class StoredChunks {
   public:
     StoredChunks(const std::string& name, std::uint64_t file_bytes, int number, bool tiled)

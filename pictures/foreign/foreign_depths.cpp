@@ -18,9 +18,9 @@
 namespace postlens {
 namespace {
 
-/// Returns the factor by which a pixel's inverse depth in the file must be multiplied to obtain 1 / z, in
-/// 1/m, where z is the depth along the optical axis. The file may use another unit, and it may measure the
-/// depth along the ray through the pixel instead of along the axis.
+/// Returns the factor that converts a pixel's inverse depth in the file to 1 / z, in 1/m, where z is the
+/// depth along the optical axis. The file may use another unit, or measure the depth along the ray through
+/// the pixel.
 float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     const auto width = static_cast<std::size_t>(picture.x_end - picture.x_begin);
     const ForeignCamera& camera = picture.camera;
@@ -35,9 +35,9 @@ float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     return static_cast<float>(std::sqrt(1 + u * u + v * v) / camera.metres_per_unit);
 }
 
-/// Finds pixels at the rim of an opaque object in front of the sky. Such a pixel shows both, and the function
-/// returns the fraction of the pixel that each of them covers. The sky has a colour, but its alpha is 0. So
-/// the pixel's alpha is the fraction that the object covers.
+/// Finds pixels at the rim of an opaque object in front of the sky. The alpha of such a pixel is the fraction
+/// that the object covers, because the sky has the alpha 0. Returns the fractions and depths of object and
+/// sky for the index of each such pixel.
 std::map<std::size_t, std::array<SurfaceShare, 2>> rims_before_sky(const ForeignPicture& picture,
                                                                    std::size_t width) {
     constexpr int reach = 2;  // px, the radius of the filter

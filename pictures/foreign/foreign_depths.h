@@ -29,13 +29,14 @@ class ForeignDepths {
     /// Decodes the depth `value`, which the file stores for pixel (x, y), to a distance z in the file's unit.
     /// Returns 1 / |z|, or 0 if no surface was hit.
     float inverse(float value, int x, int y) { return inverse(value, x, y, seen_); }
-    /// Adds the depth of pixel (x, y) to the statistics that `finish` checks. `z` is the distance that was
-    /// decoded from the stored `value`.
+    /// Notes the sign and size of a depth, for checks in `finish` and for its warnings. `value` is the depth
+    /// that the file stores for pixel (x, y), and `z` is the distance to which it was decoded, in the file's
+    /// unit.
     void note(float z, int x, int y, float value) { seen_.note(z, x, y, value); }
 
-    /// Sets the depths of the samples of a flat image (one sample per pixel). `depths` contains the stored
-    /// depth of each pixel, and `covered` its alpha. Some renderers filter depths like colours, so that they
-    /// are averaged at edges or multiplied by alpha. Such depths are repaired first.
+    /// Sets the depths of the samples of a flat image. `depths` and `covered` contain the depths and alphas
+    /// of its pixels in the file. Depths that a renderer filtered like colours (averaged at edges or
+    /// multiplied by alpha) are repaired first.
     void take(const ForeignPart& part, std::vector<float>& depths, const std::vector<float>& covered,
               ForeignPicture& picture);
     /// Converts all depths to metres along the optical axis, and sorts each pixel's samples from near to far.

@@ -82,9 +82,9 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
         }
         chunk_pixels = std::uint64_t{tiles.xSize} * tiles.ySize;
     }
-    // Detects a damaged header by an implausibly large display window (the rectangle of the whole image). A
-    // large window is an error if the file is too small for so many pixels. Smaller windows are not compared
-    // with the size of the file, because a small file may be a crop of a large image.
+    // Detects a damaged header by a display window (the rectangle of the whole image) that is too large for
+    // the size of the file. Windows of up to `unquestioned_shown` pixels are accepted in any file, because a
+    // small file may be a crop of a large image.
     const std::uint64_t shown = (static_cast<std::uint64_t>(part.display.x_max - part.display.x_min) + 1) *
                                 (static_cast<std::uint64_t>(part.display.y_max - part.display.y_min) + 1);
     const std::int64_t shift_x = std::int64_t{part.data.x_min} - part.display.x_min,
@@ -219,7 +219,8 @@ void ForeignFile::open(const fs::path& path, PartUse use) {
                 part.channels.emplace_back(c.name());
             }
             const std::uint64_t chunk = checked_chunk(part, h, opened.bytes, name);
-            // The chunks of deep images have no fixed size, so the largest accepted size is assumed.
+            // `greatest_chunk`, the size of the largest chunk in bytes, limits the number of threads. The
+            // chunks of deep images have no fixed size, so the largest accepted size is assumed.
             greatest_chunk = std::max(greatest_chunk, part.deep ? most_chunk_bytes : chunk);
         }
     });
@@ -305,9 +306,8 @@ std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
         Imf::RgbaYca::computeYw(Imf::hasChromaticities(h) ? Imf::chromaticities(h) : Imf::Chromaticities());
     const std::array<double, 3> out{static_cast<double>(w.x), static_cast<double>(w.y),
                                     static_cast<double>(w.z)};
-    // `out` contains the luminance weights of red, green and blue. A file with luminance and chroma does not
-    // store green. To compute it, the reader subtracts the contributions of red and blue from the luminance,
-    // and divides the rest by the weight of green, out[1]. So this weight must not be 0.
+    // `out` contains the luminance weights of red, green and blue. For a file with luminance and chroma,
+    // green is computed by a division by its weight, out[1], so this weight must not be 0.
     if (!std::isfinite(out[0] + out[1] + out[2]) || std::abs(out[1]) < 1e-6) {
         fail(ExitCode::invalid_input, "{}: chromaticities are unusable (got luminance weights {}, {}, {})",
              name_of(part), out[0], out[1], out[2]);

@@ -38,9 +38,9 @@ struct ForeignPart {
 
 enum class ChannelKind { half, float32, whole };
 
-/// Converts a value of an integer channel to its number. ForeignFile passes all values as floats, and an
-/// integer as a float with the same bits (`bits`). These bits are interpreted as an unsigned integer, which
-/// is then converted to a float.
+/// ForeignFile returns all values of a file as floats. A value of an integer channel is returned as the float
+/// `bits`, which has the same bits as the integer. This function interprets these bits as an unsigned
+/// integer, and converts its value to a float.
 [[nodiscard]] inline float number_of_bits(float bits) {
     return static_cast<float>(std::bit_cast<std::uint32_t>(bits));
 }
@@ -60,8 +60,9 @@ struct DeepRows {
     std::vector<std::span<const float>> values;
 };
 
-/// An OpenEXR file of another program, together with separate files for its passes (such as depth or ids). A
-/// window (rectangle of pixels) may have edges of up to 65536 px and up to 2^29 px, and a chunk up to 256 MB.
+/// An OpenEXR file of another program, together with separate files for its passes (such as depth or ids).
+/// Limits: a window (rectangle of pixels) may be up to 65536 px wide and high, and contain up to 2^29 px. A
+/// chunk may have up to 256 MB.
 ///
 /// Throws Error(invalid_input), with the name of the file, if the file is damaged, exceeds a limit, or claims
 /// more data than its size allows. Throws Error(out_of_memory) if the memory does not suffice.

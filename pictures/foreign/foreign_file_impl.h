@@ -1,5 +1,5 @@
-// Implementation of ForeignFile: the open files of the OpenEXR library, and functions for flat and deep
-// parts.
+// Implementation of ForeignFile, which reads OpenEXR files of other programs: the file as the OpenEXR library
+// opens it, and functions for its flat parts (one sample per pixel) and deep parts.
 #pragma once
 
 #include <OpenEXR/ImfChannelList.h>

@@ -229,7 +229,9 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
         in.setFrameBuffer(frame);
         in.readPixels(p.data.y_min, p.data.y_max);
     });
-    /// Indices of the two stored values beside a pixel, and the interpolation weight of the second.
+    /// A subsampled channel stores values only for some pixels. The value of any other pixel is interpolated
+    /// between two stored values along each axis. `first` and `second` are the indices of these values, and
+    /// `share` is the weight of the second.
     struct Between {
         std::size_t first, second;
         float share;

@@ -22,9 +22,9 @@ struct StackSample {
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
     std::uint32_t id = 0;  ///< of the surface; 0 if the file states none
-    /// Inverse depth, in 1/m, that determines the blur of the sample instead of `inverse_z`. For example, it
-    /// differs from `inverse_z` if the user keeps an object in focus. It is negative if `inverse_z`
-    /// determines the blur.
+    /// Inverse depth, in 1/m, with which the sample is blurred, if it differs from its true inverse depth,
+    /// for example because the user keeps an object in focus. A negative value means that the sample is
+    /// blurred with `inverse_z`.
     float moved_inverse_z = -1;
     bool holdout = false;    ///< hides samples behind it, but adds no colour or alpha
     std::uint16_t mask = 0;  ///< number, from 1, of the mask that cut this sample out; 0 if none
@@ -35,10 +35,10 @@ struct StackSample {
 /// most this limit, the stack counts as opaque. The limit is not 0, because the alphas in a file are rounded.
 inline constexpr double opaque_transmittance = 1e-3;
 
-/// Returns the fraction of the light that the samples of a pixel's stack transmit. If a sample is opaque,
-/// only the samples behind the last opaque sample count.
-/// - is_nothing_behind: whether the scene behind all samples is known to be empty. If it is empty and the
-///   last sample is opaque, no sample lies behind this one, so the result is 1 instead of 0.
+/// Returns the fraction of the light from behind that a pixel's stack of samples transmits. If a sample is
+/// opaque and others lie behind it, only these others count.
+/// - is_nothing_behind: true if the scene behind the stack is known to be empty; an opaque stack then hides
+///   nothing, so the result is 1 instead of 0
 [[nodiscard]] double transmittance_behind(std::span<const StackSample> stack, bool is_nothing_behind);
 
 /// Converts a value of an id channel to an id: the bits of `value`, as an integer if `whole` is true, or else
@@ -55,8 +55,8 @@ struct MixedPixel {
 struct SurfaceShare {
     std::uint32_t id = 0;  ///< 0 for a surface without id, such as the sky
     float share = 0;       ///< fraction of the pixel; the fractions of a pixel add up to 1
-    /// Inverse depth of the surface, in 1/m (0 for infinity). It is set if the surfaces of a pixel are
-    /// distinguished by their depths. It is empty if they are distinguished by their object ids instead.
+    /// Inverse depth of this surface, in 1/m (0 for infinity). It is set if the surfaces of the pixel are
+    /// distinguished by their depths, and empty if they are distinguished by their object ids.
     std::optional<float> inverse_z;
 };
 

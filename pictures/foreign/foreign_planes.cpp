@@ -7,17 +7,16 @@
 namespace postlens {
 namespace {
 
-/// Extends the image in `plane` beyond the display window. `plane` has the values of the file part `from`,
-/// stored on the pixel grid of another part, `onto`. Pixels of `onto` outside the display window get the
-/// nearest stored value. This is done on each side (left, right, top, bottom) separately, and only if the
-/// pixels of `from` reach the display window's border on this side.
+/// Extends an image beyond its display window (the visible rectangle). `plane` holds a channel of the file
+/// part `from` on the pixel grid of another part, `onto`. Pixels outside this window that `from` does not
+/// store get the value of the nearest pixel that it stores, but only on the sides where `from` reaches the
+/// window's border.
 void continue_beyond_border(const ForeignPart& from, const ForeignPart& onto, std::vector<float>& plane) {
     const int right = onto.display.x_min - from.display.x_min, down = onto.display.y_min - from.display.y_min;
     const int left_x = from.data.x_min + right, last_x = from.data.x_max + right,
               top_y = from.data.y_min + down, last_y = from.data.y_max + down;
-    // The pixels from (x_begin, y_begin) to (x_last, y_last), inclusive, keep their values. Every other pixel
-    // gets the value of the nearest of them. On a side that is not extended, this rectangle reaches the
-    // border of the data window of `onto`, so that all pixels on this side keep their values.
+    // The rectangle from (x_begin, y_begin) to (x_last, y_last), inclusive, contains the pixels that keep
+    // their values. On a side that is not extended, it reaches the border of the data window of `onto`.
     const int x_begin = left_x > onto.display.x_min ? onto.data.x_min : std::max(left_x, onto.data.x_min),
               x_last = last_x < onto.display.x_max ? onto.data.x_max : std::min(last_x, onto.data.x_max),
               y_begin = top_y > onto.display.y_min ? onto.data.y_min : std::max(top_y, onto.data.y_min),

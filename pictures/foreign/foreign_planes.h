@@ -1,5 +1,5 @@
-// Reads passes, such as depth, that are in another file part or another file than the colours. Shifts their
-// values to the pixel grid of the part with the colours.
+// Reads passes of an image, such as depth, that are stored in another part of an OpenEXR file than the
+// colours, or in another file. Places their values on the pixel grid of the part with the colours.
 #pragma once
 
 #include <cstddef>
@@ -13,26 +13,25 @@
 
 namespace postlens {
 
-/// Receives one row of pixels from each_row_onto(). That function reads channels of one file part and places
-/// them on the pixel grid of another file part, `onto`.
+/// Receives one row of pixels from each_row_onto(), which places channels on the pixel grid of the file part
+/// `onto`.
 /// - `pixel`: index of the row's first pixel in `onto`
 /// - `count`: number of pixels
-/// - `from`, `values`: values[c] is a whole row of channel c in the part that is read. This row may begin
-///   outside `onto`, so the values of the pixels begin at values[c][from].
+/// - `values`: values[c] is the row of channel c, as it is stored in the part that is read
+/// - `from`: index, in values[c], of the value for the first pixel
 using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::size_t from,
                                    std::span<const float* const> values)>;
-/// Reads channels of the flat file part `part`, and places them on the pixel grid of another file part,
-/// `onto`. The upper left corner of the display window of `part` is placed on that of `onto`. Calls `take`
-/// for each row of pixels that both parts store.
+/// Reads channels of the flat file part `part` and places them on the pixel grid of another part, `onto`, so
+/// that the upper left corners of their display windows (visible rectangles) coincide. Calls `take` for each
+/// row of pixels that both parts store.
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
-/// Returns the values of a channel of the file part `part` on the pixel grid of another file part, `onto`:
-/// one value for each pixel that `onto` stores, row by row. With `converts`, integers are converted to
-/// floats. Throws Error(out_of_memory).
+/// Returns a channel of the file part `part` for each pixel that another part, `onto`, stores, row by row.
+/// With `converts`, integers are converted to floats. Throws Error(out_of_memory).
 ///
-/// If `part` does not store a pixel, the pixel gets the value `otherwise` inside the display window of
-/// `onto`. Outside this window, it gets the nearest value that `part` stores.
+/// A pixel that `part` does not store gets the value `otherwise` inside the display window (visible
+/// rectangle) of `onto`. Outside this window, it gets the value of the nearest pixel that `part` stores.
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);

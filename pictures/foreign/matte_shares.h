@@ -1,4 +1,5 @@
-// Determines, from its Cryptomatte, which surfaces each pixel of a flat image shows.
+// Reads the Cryptomatte of a flat image (one sample per pixel), and determines from it which surfaces each
+// pixel of the image shows.
 #pragma once
 
 #include <cstddef>
@@ -18,21 +19,22 @@ namespace postlens {
 class MatteShares {
   public:
     /// Prepares to read the Cryptomatte `matte` (a set of object masks) from `file`. Its channels may be in
-    /// several file parts. Their values are read at the pixels of `onto`, the part that contains the colours.
+    /// other file parts than the colours of the image, which are in the part `onto`. Their values are placed
+    /// on the pixel grid of `onto`.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte);
 
-    /// Returns the Cryptomatte channels that are stored in `part`, the file part with the colours. The caller
-    /// reads them together with the colours, so that the part is read only once, and passes their values to
-    /// take(). Returns none if the first Cryptomatte channels are in another part, because finish() then
-    /// reads all of them.
+    /// Starts to read the Cryptomatte together with the colours. Returns the names of its channels in `part`,
+    /// the file part with the colours. The caller passes the values of these channels to take(). Returns no
+    /// names if the channels must be read separately.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
-    /// Receives values of the Cryptomatte channels that begin_beside() returned, and stores the ids and
-    /// covered fractions that they contain. The values are those of `count` adjacent pixels, of which the
-    /// first has the index `pixel`. values[c] points to the values of channel c. Throws Error(out_of_memory).
+    /// Receives values of the channels that begin_beside() returned, for `count` adjacent pixels from the
+    /// index `pixel`, and stores the ids and covered fractions that they contain. values[c] points to the
+    /// values of channel c. Throws Error(out_of_memory).
     void take(std::size_t pixel, std::size_t count, std::span<const float* const> values,
               ForeignPicture& picture);
-    /// Reads the Cryptomatte channels that take() has not received. Then gives each sample the id of the
-    /// object that covers most of its pixel.
+    /// Reads those channels of the Cryptomatte that the caller did not read together with the colours and
+    /// pass to take(). Then gives each sample of `picture` the id of the object that covers most of the
+    /// sample's pixel.
     void finish(ForeignPicture& picture);
 
   private:

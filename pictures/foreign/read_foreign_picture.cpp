@@ -30,9 +30,8 @@ namespace {
 /// intended ratio of a slice's far depth to its near depth.
 constexpr double slice_ratio = 1.02;
 constexpr int most_slices = 32;
-/// If a volume begins at the camera, its first slice has the near depth 0, so no ratio of depths can define
-/// where this slice ends. Instead, it ends at this fraction, 1 %, of the volume's far depth. The density is
-/// uniform, so the slice contains at most 1 % of the volume's optical depth.
+/// If a volume begins nearer to the camera than this fraction of its far depth, its first slice ends there.
+/// The near depth of this slice may be 0, so no ratio of depths can define its end.
 constexpr double first_slice = 1e-2;
 
 /// Converts another program's image file to one stack of samples (colours with depths) per pixel.
@@ -50,8 +49,8 @@ class Reader {
         out_.x_end = out_.x_begin + part_->width();
         out_.y_end = out_.y_begin + part_->height();
         // The pixel grid must contain both the display window (the rectangle of the whole image) and the data
-        // window (the rectangle of the stored pixels). If these two windows are far apart, the grid would
-        // have many more pixels than both together. This needs too much memory, so it is an error.
+        // window (the rectangle of the stored pixels). If these are far apart, this would need too much
+        // memory, so it is an error.
         const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) -
                                                         std::min(0, out_.x_begin)),
                    rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) -
@@ -106,10 +105,9 @@ class Reader {
                  (std::min(out_.width, out_.height) - 1) / 2, out_.width, out_.height, file_.name());
         }
         const double of_frame = static_cast<double>(out_.width - 2 * margin) / out_.width;
-        // Converts the film width that the user states. The user states it for the image without overscan
-        // (the margin of extra pixels), but foreign_camera() expects the film width of the whole file, with
-        // overscan. So the width is divided by `of_frame`, the fraction of the file's width that is not
-        // overscan.
+        // The user states the film width of the image without overscan (the margin of extra pixels), but
+        // foreign_camera() expects that of the whole file. `of_frame` is the fraction of the file's width
+        // that is not overscan.
         if (choice.film_width_mm) *choice.film_width_mm /= of_frame;
         out_.camera = foreign_camera(file_, out_.channels.part, choice);
         out_.camera.film_width_mm *= of_frame;
@@ -248,10 +246,10 @@ class Reader {
                     const float front = depths_.distance(value(z, 0)),
                                 back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
-                    // A file may store all depths as negative numbers, and the sign of the front depth tells
-                    // whether it does so. Then `end` is the back depth with the opposite sign. But a front
-                    // depth of 0 (the camera is inside the volume) has no sign, so `end` is the absolute
-                    // value of `back`.
+                    // `end` is the depth at which the sample ends; 0 if the file states none. If the front
+                    // depth is negative, the file stores all depths as negative numbers, so the sign of the
+                    // back depth is changed, too. A front depth of 0 (the camera is inside the volume) does
+                    // not tell the sign.
                     const float end = !ForeignDepths::is_hit(back) ? 0
                                       : front == 0                 ? std::abs(back)
                                                                    : std::copysign(1.0F, front) * back;
@@ -271,8 +269,9 @@ class Reader {
         });
     }
 
-    /// Adds a deep sample. A volume of constant density is divided into slices whose depths form a geometric
-    /// sequence.
+    /// Adds a deep sample to the current pixel's stack. If the sample is a volume (of constant density), it
+    /// is divided into slices, so that the blur varies little within a slice. The far depth of each slice is
+    /// its near depth times a constant ratio.
     void add_volume(const DeepSample& from) {
         const double z = from.z, z_back = from.z_back;
         const StackSample s{ForeignDepths::inverse_of(from.z), from.r, from.g, from.b, from.alpha, from.id};
@@ -302,8 +301,9 @@ class Reader {
         }
     }
 
-    /// Adds one slice of the volume `s`: that between the depths `near` and `far`. The slice has the fraction
-    /// `part` of the volume's length.
+    /// Adds the slice of a volume between the depths `near` and `far` to the pixel's stack. `s` holds the
+    /// colour and alpha of the whole volume. `part` is the length of the slice as a fraction of the volume's
+    /// length.
     void add_slice(const StackSample& s, double near, double far, double part) {
         const double whole = static_cast<double>(s.alpha);
         const double alpha = -std::expm1(part * std::log1p(-whole));

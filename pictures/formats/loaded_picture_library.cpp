@@ -1,4 +1,5 @@
-// Implements picture_library() for programs that load OpenImageIO when they first need it.
+// Implements picture_library(), which returns the functions to read and write image files with OpenImageIO.
+// Here, they are in a module that the program loads when it first needs them.
 #include <dlfcn.h>
 #include <filesystem>
 

@@ -122,8 +122,8 @@ class OiioLibrary : public PictureLibrary {
                                                   const std::string& description,
                                                   std::string& problem) const override {
         OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT16);
-        // An empty DateTime makes the files of equal images equal. A colour space is not written, because
-        // readers assume sRGB for integers.
+        // DateTime is left empty instead of stating the time, so that equal images give equal files. A colour
+        // space is not written, because readers assume sRGB for integers.
         spec["DateTime"] = "";
         if (!description.empty()) spec["ImageDescription"] = description;
         return encode("picture.tif", spec, rgb.data(), problem);

@@ -3,9 +3,9 @@
 
 #include "pictures/formats/picture_library.h"
 
-/// Returns the image library of a module that a program loads at run time. The number at the end of the
-/// function's name is increased whenever PictureLibrary changes. So a program cannot find this function in a
-/// module of another version, and does not use that module by mistake.
+/// Returns the functions of a loaded module that read and write image files (PictureLibrary). The number at
+/// the end of this function's name is increased whenever PictureLibrary changes, so that a program cannot use
+/// a module of another version by mistake.
 extern "C" const postlens::PictureLibrary* postlens_picture_library_1();
 
 namespace postlens {

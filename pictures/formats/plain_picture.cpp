@@ -65,7 +65,7 @@ class ExrReader : public PictureReader {
 std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
     if (header.hasType() && header.type() != Imf::SCANLINEIMAGE && header.type() != Imf::TILEDIMAGE)
         return std::nullopt;
-    // Files with one of these attributes are refused, because their values may be nonlinear.
+    // These attributes state a colour space, so the file's values may be nonlinear.
     for (const char* name : {"oiio:ColorSpace", "colorInteropID"}) {
         if (header.find(name) != header.end()) return std::nullopt;
     }
@@ -132,7 +132,8 @@ std::unique_ptr<PictureReader> open_plain_exr(const std::filesystem::path& path)
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception&) {
-        // Null makes the caller open the file with OpenImageIO, which reports the error.
+        // The OpenEXR library cannot read this file. The result is null, so the caller tries to open the file
+        // with OpenImageIO, which then reports the error.
     }
     return nullptr;
 }

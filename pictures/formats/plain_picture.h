@@ -13,9 +13,8 @@ namespace postlens {
 /// Opens a simple PNG or OpenEXR file without OpenImageIO, because loading that library takes time. Returns
 /// null for all other files, including damaged ones. `open_plain_png` states which PNG files are simple.
 ///
-/// An OpenEXR file is simple if its first part is flat and states no colour space. Its channels are half or
-/// float: R, G, B or only Y, with or without alpha. check_exr_headers must have accepted it. The values are
-/// those that OpenImageIO reads.
+/// An OpenEXR file is simple if its first part is flat, states no colour space, and has half or float
+/// channels: R, G, B or only Y, with or without alpha. check_exr_headers must have accepted it.
 [[nodiscard]] std::unique_ptr<PictureReader> open_plain_picture(const std::filesystem::path& path);
 
 /// Opens a PNG file that is grey or RGB with 8 bits per channel, or has a palette. Returns null for other

@@ -34,9 +34,9 @@ void take_text(std::string_view data, std::string_view key, std::string& value) 
         value = data.substr(key.size() + 1);
 }
 
-/// Reads those chunks (blocks of data) of a PNG file that precede the pixels, such as the image size and the
-/// palette. Returns empty if the file is damaged, or if a chunk, such as a colour profile, changes the
-/// meaning of the pixels in a way that PngReader does not support.
+/// Reads the chunks (blocks of data) of a PNG file that precede the pixels, such as the image size and the
+/// palette. Returns empty if the file is damaged, or if a chunk changes the meaning of the pixels in an
+/// unsupported way.
 std::optional<PlainPng> plain_png(std::string_view bytes) {
     constexpr std::string_view signature = "\x89PNG\r\n\x1A\n"sv;
     // PNG chunks that do not change the values of the pixels, such as texts and dates.

@@ -17,9 +17,9 @@ namespace {
 /// Two inverse depths that differ by at most this relative amount count as equal. Rounding to half floats
 /// causes such differences.
 constexpr float same_depth = 1.0F / 1024;
-/// Two images of the same view are combined: a front image, and a back image whose samples should lie behind
-/// it. A sample of the back image counts as nearer than the front image if its distance is smaller by more
-/// than this fraction. Smaller differences are noise in the depths.
+/// The back image should show only what lies behind the front image. A sample of the back image counts as
+/// nearer than the front image only if its distance is smaller by more than this fraction, because smaller
+/// differences are noise in the depths.
 constexpr float nearer_by = 1.0F / 20;
 
 void check_same_view(const ForeignPicture& front, const ForeignPicture& back, const std::string& name) {
@@ -43,10 +43,9 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
     }
 }
 
-/// Returns the depth behind which a pixel's stack of the front image is opaque, as an inverse depth in 1/m:
-/// that of the last sample, if all samples together transmit hardly any light. Samples of the back image are
-/// added to this stack only if they are farther. If the stack transmits light, returns infinity, so that all
-/// samples of the back image are added.
+/// If the samples in a pixel of the front image together transmit hardly any light, they hide all surfaces
+/// behind the last sample. The function then returns the inverse depth of this last sample, in 1/m.
+/// Otherwise, it returns infinity.
 float last_opaque(std::span<const StackSample> stack) {
     float last = std::numeric_limits<float>::infinity();
     double left = 1;
@@ -74,17 +73,15 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
         [&](const StackSample& a) { return a.id == s.id || a.id == 0 || s.id == 0; });
 }
 
-/// Returns the first row (or column) of the image that combines a front image and a back image. The front
-/// image begins at the row `front`, and the back image at the row `back`. If `front` > 0, the front image
-/// leaves rows of the raster empty before it, so the back image may fill them. Otherwise, it already reaches
-/// the raster's border, and the combination begins with it.
+/// Returns the first row (or column) of the combined image, if the front image begins at the row `front` and
+/// the back image at the row `back`. If `front` > 0, the rows before `front` are empty, and the back image
+/// may fill some of them.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }
-/// Returns the end (last row or column + 1) of the image that combines a front image and a back image. The
-/// front image ends at the row `front`, and the back image at the row `back`. If `front` < `size`, the front
-/// image leaves rows of the raster empty behind it, so the back image may fill them. Otherwise, it already
-/// reaches the raster's border, and the combination ends with it.
+/// Returns where the combined image ends (last row or column + 1), if the front image ends at `front` and the
+/// back image at `back`. If `front` < `size`, the front image leaves the last rows empty, and the back image
+/// may fill some of them.
 int end_of_both(int front, int back, int size) {
     return front < size ? std::max(front, back) : front;
 }
@@ -122,9 +119,9 @@ LaidBehind lay_behind(ForeignPicture& front, const ForeignPicture& back, const s
     out.ends_in_nothing.reserve(pixels);
     LaidBehind found;
     std::size_t nearer = 0;
-    // Returns whether the contents of pixel (x, y) are known. They are known if the file stores the pixel.
-    // They are also known for any other pixel inside the image (0 <= x < width and 0 <= y < height), because
-    // a file stores all pixels there that are not empty.
+    // Returns whether it is known what an image shows at the pixel (x, y). A file need not store empty pixels
+    // inside the image (0 <= x < width and 0 <= y < height). So if such a pixel is not stored, it is known to
+    // be empty.
     const auto is_known = [](const ForeignPicture& p, int x, int y) {
         return p.stores(x, y) || (x >= 0 && x < p.width && y >= 0 && y < p.height);
     };

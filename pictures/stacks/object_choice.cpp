@@ -39,11 +39,11 @@ std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& ch
     return out;
 }
 
-/// Returns the ids that the text `object` can mean, by which the user names an object. The most likely id
-/// comes first:
+/// Returns the ids that can be meant by `object`, the text by which a user names an object, the most likely
+/// first:
 /// - the id that the Cryptomatte's manifest (list of names and ids) gives for this name
-/// - the hash of the name
-/// - if the text is an integer, this integer as the id, or the bits of a float with this value
+/// - the hash of the name, which a Cryptomatte uses as the id
+/// - if the text is an integer, this integer, and the bits of the float with the same value
 std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::string& object) {
     std::vector<std::uint32_t> out;
     if (const auto& matte = picture.channels.matte) {
@@ -78,9 +78,9 @@ std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::stri
          choice.object, expected);
 }
 
-/// Divides a sample into two samples at the same depth. The first one belongs to the object that the user
-/// selects, and gets the fraction `share` of the sample's colour and alpha. The second one gets the rest, so
-/// that both together composite to the same colour and alpha as the sample.
+/// Divides a sample into two samples at the same depth. The first one belongs to the selected object and gets
+/// the fraction `share` of the sample's colour and alpha. The second one gets the rest, so that both together
+/// composite to the sample.
 std::array<StackSample, 2> divided(const StackSample& s, float share) {
     std::array<StackSample, 2> out{s, s};
     const float rest = (1 - share) / (1 - share * s.alpha);
@@ -91,10 +91,9 @@ std::array<StackSample, 2> divided(const StackSample& s, float share) {
     return out;
 }
 
-/// Selects an object in a pixel. The pixel is a stack of samples, which cover parts of it according to their
-/// alpha. Samples are chosen until together they cover the fraction of the pixel that the object covers. If a
-/// sample would exceed this fraction, it is divided into two samples. One MaskedStack is used for all pixels,
-/// to avoid allocations.
+/// Selects an object in a pixel, which is a stack of samples. Samples are chosen until together they cover
+/// the fraction of the pixel that the object covers. If a sample would exceed this fraction, it is divided
+/// into two samples. One MaskedStack is used for all pixels, to avoid allocations.
 class MaskedStack {
   public:
     explicit MaskedStack(std::uint16_t mask) : mask_(mask) {}
@@ -105,25 +104,24 @@ class MaskedStack {
         if (stack.empty()) return;
         const auto is_any = [](const StackSample&) { return true; };
         const auto is_same = [this](const StackSample& s) { return s.mask == mask_; };
-        // If samples of this pixel already belong to the mask image with the number `mask_`, chooses exactly
-        // these samples.
+        // `mask_` is the number of the mask image (a file) by which the user selects an object. If samples of
+        // this pixel were chosen for this mask image before, exactly these are chosen again.
         if (std::any_of(samples_.begin(), samples_.end(), is_same)) {
             take(1, is_same);
             return;
         }
-        // `share` is the fraction of the pixel that the selected object covers. Samples of the pixel's stack
-        // that belong to no mask image yet (`mask` is 0) are chosen first, because different mask images
-        // usually select different objects. If these samples cover less than `share`, any other samples are
-        // chosen for the rest.
+        // `share` is the fraction of this pixel that the object covers according to the user's mask image.
+        // Samples that no mask image has selected before (`mask` is 0) are chosen first, because different
+        // mask images usually select different objects.
         take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
     }
     [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }
     [[nodiscard]] const std::vector<std::uint8_t>& chosen() const { return chosen_; }
 
   private:
-    /// Chooses samples for the selected object, until they cover the fraction `share` of the pixel. Only
-    /// samples at the nearest depth of the pixel's stack are visited, and only those for which `wanted`
-    /// returns true are chosen. Returns the part of `share` that the chosen samples do not cover.
+    /// Chooses samples from a pixel's stack, for an object that covers the fraction `share` of the pixel.
+    /// Goes through the samples at the nearest depth of the stack, and chooses those for which `wanted`
+    /// returns true, until they cover `share`. Returns the fraction of the pixel that is still missing.
     template <typename Wanted>
     float take(float share, const Wanted& wanted) {
         float left = 1;

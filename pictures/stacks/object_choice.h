@@ -32,8 +32,8 @@ struct ObjectChoice {
 /// read or has the wrong size.
 [[nodiscard]] std::vector<std::uint8_t> choose_samples(ForeignPicture& picture, const ObjectChoice& choice);
 
-/// Returns the fraction of each pixel of the raster that the object covers, row by row. Throws the errors of
-/// `choose_samples`.
+/// Returns the fraction of each pixel of the image that the object selected by `choice` covers, row by row.
+/// Throws the same errors as `choose_samples`.
 [[nodiscard]] std::vector<float> choose_pixels(const ForeignPicture& picture, const ObjectChoice& choice);
 
 }  // namespace postlens

@@ -13,17 +13,15 @@
 namespace postlens {
 namespace {
 
-/// A pixel at an edge shows several surfaces. The colour of one of them is taken from nearby pixels that show
-/// only this surface. These are the radii, in px, within which such pixels are searched. `reach_of_means_px`
-/// is used if the program that wrote the file filtered the depths: then pixels near the edge are mixtures
-/// too, so the search must go farther.
+/// The colour of each surface in a pixel at an edge is taken from pixels that show only this surface. They
+/// are searched up to these distances, in px. `reach_of_means_px` is for depths that another program has
+/// filtered, because then more pixels around the edge are mixed.
 constexpr int reach_px = 2, reach_of_means_px = 5;
 /// Depths of nearby pixels count as those of one surface if they differ by at most this fraction.
 constexpr double same_surface = 0.05;
 
-/// Converts a value to float, and clamps it to the range of float. This is needed because the colour of a
-/// surface is computed from the colour of a pixel of which it covers only a part. If the pixel is very
-/// bright, the surface's colour may exceed the range of float.
+/// Converts a value to float, and clamps it to the range of float. This is needed because the computed colour
+/// of a surface that covers only a part of a very bright pixel may exceed this range.
 float within_float(double value) {
     constexpr double most = std::numeric_limits<float>::max();
     return static_cast<float>(std::clamp(value, -most, most));
@@ -39,8 +37,9 @@ struct Portion {
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
-    /// True if this part of the pixel shows empty space instead of a surface. The colour and alpha of this
-    /// part are taken from nearby pixels. If these pixels are empty, all four values in `rgba` are 0.
+    /// True if this part of the pixel shows no surface, but empty space. The part's colour and alpha, `rgba`,
+    /// are those of nearby pixels that show only what this part shows. If these pixels are empty, all four
+    /// values are 0.
     [[nodiscard]] bool is_nothing() const {
         return has_colour && std::all_of(rgba.begin(), rgba.end(), [](double v) { return v == 0; });
     }
@@ -53,8 +52,9 @@ class Unmixer {
         for (const MixedPixel& m : p_.mixed) mixed_[m.pixel] = 1;
     }
 
-    /// Returns samples, one per surface, that replace a pixel showing several surfaces. Empty if the pixel
-    /// stays unchanged.
+    /// Divides a pixel that shows several surfaces: returns samples, one for each surface, which replace the
+    /// pixel's sample. Returns no samples if fewer than two of the surfaces are found in nearby pixels. Then,
+    /// the pixel remains unchanged.
     [[nodiscard]] std::vector<StackSample> apart(const MixedPixel& m) const {
         std::vector<Portion> portions;
         for (std::size_t i = m.first; i < m.first + m.count; ++i) {
@@ -92,8 +92,8 @@ class Unmixer {
         return is_empty(pixel) ? 0 : static_cast<double>(p_.samples[p_.offsets[pixel]].inverse_z);
     }
 
-    /// Calls visit(index, squared distance) for all pixels at most `reach` px from `pixel` in x and in y.
-    /// Pixels that the file does not store have the index `unstored`.
+    /// Calls visit(index, squared distance) for all pixels at most `reach` px from `pixel` in x and in y. The
+    /// file need not store empty pixels of the image. For such a pixel, the index is `unstored`.
     template <typename Visit>
     void around(std::size_t pixel, int reach, const Visit& visit) const {
         const auto width = static_cast<std::size_t>(width_);
@@ -137,14 +137,15 @@ class Unmixer {
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
-            // Averages the colours and depths of nearby pixels that show this surface, with the weight 1 /
-            // squared distance. If `pure` is false, no nearby pixel shows only this surface, so mixed pixels
-            // are averaged instead. The pixel itself may be one of these, at the distance 0. So 0.5 is then
-            // added to the squared distance, to avoid a division by 0.
+            // Averages the colours and depths of the nearby pixels that show the surface of `portion`, with
+            // the weight 1 / squared distance. If no nearby pixel shows only this surface, mixed pixels are
+            // averaged instead (`pure` is false).
             double sum = 0, depths = 0;
             around(pixel, reach, [&](std::size_t at, int distance) {
                 const double z = inverse_z_of(at);
                 if (!is_one(at) || !alike(z, depth)) return;
+                // One of the mixed pixels may be this pixel itself, at the distance 0. So 0.5 is added to
+                // avoid a division by 0.
                 const double weight = 1 / (distance + (pure ? 0.0 : 0.5));
                 const auto value = value_of(at);
                 for (std::size_t c = 0; c < 4; ++c) portion.rgba[c] += weight * value[c];
@@ -158,10 +159,9 @@ class Unmixer {
         }
     }
 
-    /// Adjusts the colours of the surfaces in a pixel. The colours were taken from nearby pixels, so their
-    /// mean, weighted by coverage, may differ from the pixel's own colour `whole`. They are changed so that
-    /// the mean is `whole`. If some of the surfaces are not shown alone by any nearby pixel, only the colours
-    /// of these surfaces are changed.
+    /// Adjusts the colours of the surfaces in a pixel, so that their mean, weighted by coverage, is the
+    /// pixel's own colour, `whole`. If some of the surfaces are not shown alone by any nearby pixel, only the
+    /// colours of these surfaces are changed.
     static void give_colours(const std::array<double, 4>& whole, std::span<Portion> portions) {
         double unknown = 0, squares = 0;
         for (const Portion& portion : portions) {
@@ -185,10 +185,9 @@ class Unmixer {
         }
     }
 
-    /// Limits the values of channel `c` of the surfaces in one pixel: colours to at least 0, and alphas to
-    /// the range from 0 to 1. The mean of the values, weighted by coverage, should be `whole`, the pixel's
-    /// own value. But the limits may change this mean. So the values are then scaled (or, if the mean of
-    /// alphas is too small, moved towards 1), so that their mean is `whole` again.
+    /// Limits the values of channel `c` of the surfaces in one pixel: a colour must be at least 0, and an
+    /// alpha (c = 3) between 0 and 1. Then changes the values so that their mean, weighted by coverage, is
+    /// again the pixel's own value, `whole`.
     static void keep_within(double whole, std::size_t c, std::span<Portion> portions) {
         const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
         double sum = 0, room = 0;
@@ -199,6 +198,7 @@ class Unmixer {
         }
         for (Portion& portion : portions) {
             double& value = portion.rgba[c];
+            // If the mean of the alphas is too small, they are moved towards 1, so that none exceeds 1.
             if (c == 3 && whole > sum) {
                 if (room > 0) value = std::min(1.0, value + (1 - value) * (whole - sum) / room);
             } else if (sum > 0) {
@@ -207,10 +207,9 @@ class Unmixer {
         }
     }
 
-    /// Converts the surfaces of a pixel to a stack of samples. The surfaces cover separate parts of the
-    /// pixel, side by side, but the samples of a stack lie one behind the other, and each covers a fraction
-    /// of the light that passes the nearer ones. So the fraction that a surface covers is divided by this
-    /// fraction of light. Then the samples composite to the same colour and alpha as the surfaces.
+    /// Converts the surfaces of a pixel to a stack of samples that composites to the same colour and alpha. A
+    /// sample receives only the light `left` that the nearer samples transmit. So the fraction of the pixel
+    /// that a surface covers is divided by `left`.
     static std::vector<StackSample> stack_of(double whole_alpha, std::vector<Portion>& portions) {
         std::stable_sort(portions.begin(), portions.end(),
                          [](const Portion& a, const Portion& b) { return a.inverse_z > b.inverse_z; });

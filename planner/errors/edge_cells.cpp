@@ -10,9 +10,8 @@
 namespace postlens {
 namespace {
 
-/// Limit that distinguishes an edge from smooth shading in a quadtree cell. It applies to the squared
-/// difference of sRGB values between the corners of the cell. If this exceeds the limit, 0.1 squared, an edge
-/// is assumed to cross the cell. Smaller differences are due to smooth shading.
+/// Limit that distinguishes an edge from smooth shading in a quadtree cell: 0.1 squared. If the squared
+/// difference of sRGB values between the corners of the cell is larger, an edge is assumed to cross the cell.
 constexpr double least_edge = 0.01;
 /// The colours at the corners of a quadtree cell count as equal if their squared difference of sRGB values is
 /// below this, 1/255 squared.
@@ -99,10 +98,9 @@ double SpreadLight::error(double variance_share) const {
                                    srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, other))));
     };
     const double e = difference(each + off / pixels, each - off / pixels) / 2;
-    // An edge crosses a bright quadtree cell at an unknown position, so the position of the cell's light is
-    // uncertain. `moved_px` estimates this uncertainty, in px, for all bright cells of the pixel together.
-    // The lens spreads their light over a circle of confusion. If the light is displaced, the rim of this
-    // circle is displaced by the same distance, which causes the error `rim`.
+    // Estimates a second error, `rim`. The position of the bright light is uncertain by about `moved_px`,
+    // because an edge crosses its cells at unknown positions. So the rim of its circle of confusion may be
+    // displaced, which changes the colours along the rim.
     const double moved_px = light_ > 0 ? off / light_ * std::sqrt(area_ / std::numbers::pi) : 0;
     constexpr int coverages = 8;
     double rim = 0;
@@ -116,10 +114,9 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // If no edge crosses a cell, the mean of its four corners is still inexact, because the shading is
-    // curved. In a unit cell, this curvature is modelled as a x^2 + b y^2 + c x y. The mean of the corners
-    // then exceeds the cell's mean by (a + b) / 6. The four corners determine c, but not a and b, so a + b =
-    // c is assumed. `s.curvature_square` is c^2.
+    // The mean of the cell's four corners is taken as its colour. If the colour contains a x^2 + b y^2 (in a
+    // unit cell), this is wrong by (a + b) / 6. The corners do not determine a and b. Therefore, a + b is
+    // assumed to equal the coefficient of x y, whose square is `s.curvature_square`.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

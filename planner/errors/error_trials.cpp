@@ -34,15 +34,14 @@ TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
     return s;
 }
 
-/// Changes the settings `s` of a new trace so that they fit the lens and the shutter of the image, which
-/// `view` describes. The trace then records the hidden surfaces that this lens sees, at instants within this
-/// exposure.
+/// Changes the settings `s` with which the scene is traced again. `view` describes the lens and the shutter
+/// of the image whose errors are examined. With the changed settings, the trace records all hidden surfaces
+/// that this lens sees, at instants within this exposure.
 void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSettings& s) {
     if (view.focus.lens.f_number < std::numeric_limits<double>::infinity()) {
-        // Sets the f-number for which the new trace records hidden surfaces. The trace knows no focal length,
-        // so it defines the f-number as film distance / lens diameter. But the image's f-number is focal
-        // length / lens diameter. Therefore, it is multiplied by the film distance and divided by the focal
-        // length.
+        // Sets the f-number for which the new trace records hidden surfaces. A trace knows no focal length,
+        // so its f-number is defined as film distance / lens diameter. The f-number of the image is focal
+        // length / lens diameter. Multiplying the latter by film distance / focal length converts it.
         s.for_f_number = view.focus.lens.f_number * h.film_distance_mm / view.focus.lens.focal_length_mm;
         s.for_focus_m = view.focus.focus_distance_m;
     }

@@ -14,9 +14,9 @@ namespace postlens {
 struct ErrorTrial {
     ErrorCause cause = ErrorCause::none;  ///< cause of error that the trial removes
     Image image;  ///< light field of the new records, of the same size as the file's image
-    /// Tells whether a success of this trial ends the search for a cause. The trials are tested in order. If
-    /// this is true and the trial's image does not have the error of a pixel, `cause` is accepted, and the
-    /// later trials are not tested for this pixel.
+    /// Whether this trial can end the search for the cause of a pixel's error. The trials are tested in
+    /// order. A trial is successful if its image lacks most of the pixel's error. Then, if `decides` is true,
+    /// `cause` is accepted, and no later trial is tested for this pixel.
     bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };

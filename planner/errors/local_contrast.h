@@ -1,6 +1,6 @@
-// Estimates the error of a pixel for two cases: a part of its light is not recorded in the sample file, or is
-// reprojected to a wrong position. The missing light is filled in from around the pixel, so the error depends
-// on the contrast there.
+// Estimates two errors of a pixel. Light that is not recorded in the sample file is replaced by colours from
+// around the pixel, so its error depends on the contrast there. Light that is reprojected to a wrong position
+// also causes an error.
 #pragma once
 
 #include <vector>
@@ -20,8 +20,8 @@ namespace postlens {
     return unknown_share * unknown_share * variance;
 }
 /// Returns the expected squared error of a pixel if some of its light is reprojected to a wrong position.
-/// `light` is this light as an sRGB value. Half of it is assumed to reach the right pixel nevertheless, so
-/// the pixel is wrong by light / 2.
+/// `light` is this light as an sRGB value. On average, half of it is assumed to reach the right pixel
+/// nevertheless, so the error is light / 2.
 [[nodiscard]] inline double misplaced_error(double light) {
     return light * light / 4;
 }

@@ -21,9 +21,9 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Returns the estimated squared noise of one pixel in an image that is the mean of `a` and `b`. `a` and `b`
-/// are the images of two independent halves of the views, so their difference shows the noise. The noise is
-/// that of sRGB values, as a mean over channels.
+/// Returns the estimated squared noise of one pixel of the image, as a mean over channels of sRGB values. The
+/// image is the mean of `a` and `b`, two images with independent noise. So its noise is about as large as
+/// half of their difference.
 double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     double out = 0;
     for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
@@ -34,27 +34,28 @@ double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     return out;
 }
 
-/// The measured error of one pixel: for each channel, the colour of traced rays minus the colour of the
-/// image, in sRGB values. The views (images from different lens points) form two independent halves. `a` is
-/// measured in the first half and `b` in the second, so that the product of both is a squared error without
-/// bias.
+/// The measured error of one pixel, for each channel: the colour of traced rays minus the colour of the
+/// image, in sRGB values. `a` and `b` are two independent measurements, so their product estimates the
+/// squared error without bias.
 struct Residuals {
     std::array<double, 3> a{}, b{};
 };
-/// Returns the product of two measurements of an error. Their noise is independent, so the product is an
-/// unbiased squared error.
+/// Returns the product of two measurements of the same error, as a mean over channels. Their noise is
+/// independent, so on average it does not contribute to the product. Therefore, the product estimates the
+/// squared error without bias.
 double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
 
-/// Returns the error of a pixel's recorded colour: the colour of check rays minus the recorded colour, in
-/// sRGB values. It is measured separately in the two halves of the views, `a` and `b`. The linear difference
-/// is multiplied by the slope of the sRGB curve at the pixel's colour. Converting both colours by the curve
-/// itself would be nonlinear, and would therefore turn noise into a systematic error.
+/// Returns the error of a pixel's recorded colour, in sRGB values: the colour of traced rays minus the
+/// recorded colour. It is measured separately in the two halves of the image's views (images from different
+/// lens points), `a` and `b`.
 Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t k = 3 * pixel + c;
+        // The error is converted to sRGB by the slope of the sRGB curve. Applying the nonlinear curve itself
+        // to noisy colours would change their mean.
         const double s =
             slope((static_cast<double>(a.image.rgb[k]) + static_cast<double>(b.image.rgb[k])) / 2);
         out.a[c] = s * a.checks[pixel].mean(c);
@@ -63,16 +64,16 @@ Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t p
     return out;
 }
 
-/// Returns the error of the highlights in a pixel: the light that rays find minus the light in the image, as
-/// differences of sRGB values. These errors can be large, so the colours with and without the error are both
-/// converted by the sRGB curve. Multiplying the linear difference by the slope of the curve would be exact
-/// only for small errors.
+/// Returns the error of a pixel's highlights (bright spots that the lens blurs over many pixels), in sRGB
+/// values: their light as found by rays aimed at them, minus their light in the image.
 Residuals highlight_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t k = 3 * pixel + c;
         const float value = (a.image.rgb[k] + b.image.rgb[k]) / 2;
         const auto residual = [&](const HighlightCheck& check) {
+            // The linear error `off` may be so large that the slope of the sRGB curve would convert it
+            // inexactly.
             const double off = check.residual(c);
             return off == 0 ? 0 : encoded(value + static_cast<float>(off)) - encoded(value);
         };
@@ -114,10 +115,9 @@ struct ChosenSum {
     }
 };
 
-/// Mean squared error of the measured pixels. A pixel's residual (colour of rays minus recorded colour) in
-/// one half of the views is multiplied by its residual in the other half, because the noise of the halves is
-/// independent and so does not add to the product. Large errors may be rare. Then a few measured pixels may
-/// contain none by chance, and their variance would be too small. So the variance has a lower bound.
+/// Mean squared error of the measured pixels, as the mean of products. A product is the pixel's error
+/// measured in one half of the views times that measured in the other half. The halves have independent
+/// noise, which adds nothing to the product on average.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {
@@ -127,6 +127,8 @@ struct ProductMean : Mean {
     /// Variance of the sum.
     [[nodiscard]] double sum_variance() const {
         if (!(count > 1)) return 0;
+        // If large errors are rare, the measured pixels may contain none of them, so the products vary too
+        // little. Therefore, the square of the mean squared error is a lower bound of their variance.
         return std::max(squares - sum * sum / count, residuals * residuals / count) * count / (count - 1);
     }
     [[nodiscard]] double variance() const { return sum_variance() / std::max(count * count, 1.0); }
@@ -171,10 +173,10 @@ class TileMeasurement {
         for (const double of_piece : noise_of_pieces) {
             const double noise = of_piece / pixels;
             out.error.noise_mse += noise;
-            // Adds the variance of the estimated noise. `noise` is d^2, where d is half the difference
-            // between the two halves of the views. It estimates e^2, the squared error of the mean of both
-            // halves. d and e are independent and normal with the same variance n. Therefore, e^2 - d^2 has
-            // the variance 4 n^2, which is the expectation of 4/3 d^4.
+            // Adds the variance of the error of `noise`. `noise` is d^2, where d is half the difference
+            // between two independent images. It estimates e^2, where e is the error of their mean. d and
+            // e are independent and normally distributed, with the same variance n. So e^2 - d^2 has the
+            // variance 4 n^2, which is the expectation of 4/3 d^4.
             out.error.noise_variance += 4.0 / 3 * noise * noise;
         }
         out.error.bias_mse = out.views.mean();
@@ -260,10 +262,9 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // Predicts the noise of the highlights. `of_ray` is the variance of a single ray. The mean of n
-            // stratified rays at an outline has the variance of_ray n^(-5/4) [mitchell1996]. The views of a
-            // pixel form two halves, so n = views / 2 in each half. The image is the mean of the two halves,
-            // so its variance is half that of one half.
+            // `of_ray` is the variance of a single ray. The mean of n stratified rays at an outline has the
+            // variance of_ray n^(-5/4) [mitchell1996]. The image is the mean of two independent halves with n
+            // = views[t] / 2 rays each, so its variance is half of that.
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

@@ -1,6 +1,6 @@
 // Measures the error of an image that is the mean of many views (images from different lens points). The
-// views form two independent halves, whose difference shows the noise. More views would reduce the noise, but
-// not the errors of the colours in the sample file. These errors are measured by rays in some of the pixels.
+// noise is measured by the difference between two halves of the views. The error of the recorded colours is
+// measured by rays in some of the pixels.
 #pragma once
 
 #include <algorithm>
@@ -30,9 +30,9 @@ struct TileError {
 
 struct MeasuredError {
     std::vector<TileError> tiles;  ///< one per tile of TileGrid, row by row
-    /// Squared error of the image that is due to inaccurate or missing colours in the sample file. It is
-    /// estimated in randomly chosen pixels, by comparing the recorded colours with the colours of traced
-    /// rays. These are noisy, so the estimate may be negative.
+    /// Squared error of the image that is due to inaccurate or missing colours in the sample file. In
+    /// randomly chosen pixels, the recorded colours are compared with the colours of traced rays. Because
+    /// these colours are noisy, the estimate of the squared error may be negative.
     double bias_mse = 0;
     double highlights_mse = 0;  ///< the part of `bias_mse` that highlights cause
     double bias_variance = 0;   ///< variance of `bias_mse`
@@ -51,10 +51,10 @@ struct MeasuredError {
                                            const std::optional<Crop>& crop, const CheckedPixels& checked,
                                            CheckedPixels::Use use);
 
-/// Selects the fewest tiles such that the values of all unselected tiles sum to at most `most`. Returns, for
-/// each tile, 1 if selected and 0 if not.
-/// - `value(tile, share)`: returns the value of a tile, for example its part of the image's error; `share` is
-///   the tile's fraction of the image's area
+/// Selects the worst tiles, as few as possible, so that the values of all other tiles add up to at most
+/// `most`. Returns 1 for each selected tile, and 0 for the others.
+/// - `value(tile, share)`: for example the tile's part of the image's squared error; `share` is the fraction
+///   of the image's area that the tile covers
 template <typename Value>
 [[nodiscard]] std::vector<std::uint8_t> largest_tiles(const std::vector<TileError>& tiles,
                                                       const TileGrid& grid, double most, const Value& value) {
@@ -75,18 +75,20 @@ template <typename Value>
     return out;
 }
 
-/// Estimates, for each tile, the squared noise that the image would have if rays traced the highlights of the
-/// tile, with `views[tile]` rays per pixel.
-/// - `a`, `b`: the two halves of the image's views, from which the variance of a single ray is known
+/// Predicts the noise of each tile if rays replaced the blurred light of its highlights. Returns the squared
+/// noise of sRGB values for `views[tile]` rays per pixel.
+/// - `a`, `b`: the images of the two halves of the views, which contain the mean and the mean square of the
+///   highlights' light in each pixel
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 
-/// Chooses the tiles whose recorded colours are so inaccurate that rays should replace them. Returns 1 for
-/// these tiles, and 0 for all others.
-/// - `most_mse`: limit for the squared error of the image that the recorded colours in the tiles with 0 cause
-///   together
-/// - `fine_mse`: limit for the squared error of one tile's recorded colours (`bias_mse`). A tile above this
-///   limit gets 1 if this error also exceeds the noise of its views and twice its own standard deviation.
+/// Chooses the tiles whose recorded colours are so inaccurate that rays should replace them. Returns 1 for a
+/// chosen tile, and otherwise 0. The error of a tile is `bias_mse`, the squared error of its recorded
+/// colours.
+/// - `most_mse`: limit for the tiles that are not chosen. The worst tiles are chosen until the errors of all
+///   others add up to at most this squared error of the image.
+/// - `fine_mse`: a tile is also chosen if its error exceeds `fine_mse`, the tile's noise (`noise_mse`), and
+///   twice the standard error of its measurement (`bias_deviation`)
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

@@ -1,5 +1,5 @@
-// Estimates the error at edges that remains with any number of lens points, because the file's samples are
-// sparse.
+// Estimates the error at edges of an image that is made from a sample file. The file contains samples only at
+// the corners of small cells, so it does not tell exactly where an edge crosses a cell.
 #pragma once
 
 #include <span>
@@ -12,20 +12,18 @@
 
 namespace postlens {
 
-/// Returns the factor by which the lens blur reduces the squared error at edges. This error arises because
-/// samples are sparse. The lens averages it over a circle of confusion, whose diameter is `coc_px`. If the
-/// edge is parallel to the cells of the quadtree (`aligned`), errors along the edge are equal, so averaging
-/// reduces them less.
+/// Returns the factor by which lens blur reduces the squared error at edges. The lens averages this error
+/// over a circle of confusion with the diameter `coc_px`. If the edge is parallel to the quadtree cells
+/// (`aligned`), averaging along the edge has no effect, because all cells there have the same error.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Factor by which the estimated squared error at edges is multiplied. The estimate only knows those edges
-/// that the samples show, but samples miss some edges entirely. The factor accounts for these, and was fitted
-/// to measurements.
+/// Correction factor for the predicted squared error at edges (RecordFloor). The prediction considers only
+/// the edges that the samples of the file show. But narrow objects may lie between the samples, so some edges
+/// are missing. The factor accounts for these edges, and was fitted to measurements.
 inline constexpr double floor_unseen = 1.4;
 
-/// Estimates the squared error of each pixel's sRGB value that is due to edges. The samples lie at the
-/// corners of quadtree cells. They show that an edge crosses a cell, but not where. So the fractions of the
-/// cell on both sides of the edge are uncertain, and with them the pixel's colour.
+/// Estimates the squared error of each pixel's sRGB value that is due to edges. The samples show that an edge
+/// crosses a quadtree cell, but not where. So the colour of the cell is uncertain.
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);
@@ -49,8 +47,8 @@ class RecordFloor {
     std::vector<float> mse_;
 };
 
-/// Returns the squared error of each pixel's sRGB value that is due to edges, as RecordFloor estimates it.
-/// Reads all records of the file once.
+/// Returns, for each pixel, the squared error of its sRGB value that arises because the file does not contain
+/// the exact positions of edges (RecordFloor). Reads all records of the file once.
 [[nodiscard]] std::vector<float> record_floor(const SampleFileReader& file, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -13,10 +13,9 @@
 namespace postlens {
 namespace {
 
-/// Number of views (images from different lens points) that are drawn to measure the unsure samples. These
-/// are the samples of views whose colour the sample file does not determine, because they lie at an edge or
-/// no surface is recorded there. With 16 views, the fraction of unsure samples in a pixel is accurate to a
-/// few hundredths.
+/// Number of views (images from different lens points) that are drawn to find the samples whose colour the
+/// file does not determine. With 16 views, the fraction of such samples in a pixel is accurate to a few
+/// hundredths.
 constexpr int views_that_tell = 16;
 
 /// The smallest and the largest value of each colour channel in the neighbourhood of a pixel. To save time,

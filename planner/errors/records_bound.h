@@ -1,5 +1,6 @@
-// Upper bound of the error of an image that is made from a sample file without rays. The error arises in
-// pixels whose colours the file's records do not determine.
+// Upper bound of the error of an image that is made from a sample file alone, without tracing rays. Some
+// colours are not determined by the file, for instance at edges and where a surface is not recorded. The
+// bound assumes the worst colours there.
 #pragma once
 
 #include <cmath>
@@ -10,14 +11,15 @@
 
 namespace postlens {
 
-/// Returns the largest possible mean squared error of the sum of two errors (Minkowski's inequality).
+/// Returns the largest mean squared value that the sum of two errors can have, if the mean squares of the
+/// errors are `a` and `b` (Minkowski's inequality).
 [[nodiscard]] inline double together_mse(double a, double b) {
     return a + b + 2 * std::sqrt(a * b);
 }
 
-/// Upper bound of the error of each pixel that is due to unsure samples. A sample is what one view (image
-/// from one lens point) sees in the pixel. It is unsure if it lies at an edge, or if no surface is recorded
-/// there. The values are valid only within the crop.
+/// Largest error that unsure samples can cause in each pixel. A sample is what one view (image from one lens
+/// point) sees in the pixel. It is unsure if the sample file does not determine its colour, for example near
+/// an edge. Outside the crop, the values are not valid.
 struct RecordsBound {
     std::vector<float> unsure;  ///< share of the unsure samples
     std::vector<float> mse;     ///< bound of the squared error of sRGB values, mean over channels

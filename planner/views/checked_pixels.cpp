@@ -36,18 +36,16 @@ CheckedPixels::Use CheckedPixels::use(int x, int y) const {
 }
 
 double CheckedPixels::aimed(int x, int y, int views) const {
-    // The error of highlights in an image is measured by comparing their light in some pixels with traced
-    // rays. An image is the mean of `views` views. If it has at least `all_from_views` of them, all pixels
-    // are compared. Otherwise, the fraction of compared pixels is proportional to `views`.
+    // Number of pixels per block in which rays measure the error of the highlights. It is proportional to
+    // `views`, the number of views (images from different lens points) whose mean is the image. From
+    // `all_from_views` on, all pixels are measured.
     constexpr int all_from_views = 128;
     const std::uint64_t chosen =
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
     const Place p = place_of(x, y);
-    // Returns the fraction of pixels that are compared with rays if this pixel is one of them, otherwise 0.
-    // `p.place` is the pixel's index in its block, and `p.stating` is the index of the pixel that states the
-    // image's error. `rank` numbers the pixels of the block in a scattered order that begins with
-    // `p.stating`. Those with a rank less than `chosen` are compared. All ranks differ, because `step` is
-    // coprime to the number of pixels.
+    // Chooses `chosen` pixels of the block, and returns the fraction of chosen pixels if this pixel is one of
+    // them. `rank` numbers the pixels in a scattered order, from `p.stating` on, which is always chosen. All
+    // ranks differ, because `step` is coprime to the number of pixels.
     constexpr std::uint64_t step = 19;
     const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
     return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;

@@ -16,21 +16,23 @@ namespace postlens {
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
-    /// Divides an image of `width` x `height` px into blocks, in each of which two pixels are checked by
-    /// rays.
-    /// - `random_rays`: whether the radiances of rays are noisy, for example because of area lights. Then
-    ///   more views (images from different lens points) are checked in each of these pixels, so that the
-    ///   noise averages out.
+    /// Divides an image of `width` x `height` px into blocks. In each block, rays check the recorded colours
+    /// of two pixels.
+    /// - `random_rays`: whether the radiance of a ray is noisy, for example because of area lights. Then more
+    ///   rays are traced per pixel, so that the noise averages out.
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Chooses the views (images from single lens points) in which a ray checks the colour of pixel (x, y).
-    /// They are chosen among `count` views, whose lens points are the point number `first` of the sequence
-    /// number `set` and those after it. Appends the indices of the chosen views to `out`; index 0 is the
-    /// point number `first`. Appends nothing if the pixel is not checked.
+    /// Chooses some of the views of pixel (x, y). A view is an image from one lens point. In each chosen
+    /// view, a ray checks the recorded colour of the pixel. The views form two halves, and each view has a
+    /// number in its half.
+    /// - `set`: number of the half, 0 or 1
+    /// - `first`, `count`: the views to choose from have the numbers `first` to `first` + `count` - 1
+    /// - `out`: receives the indices of the chosen views, from 0 to `count` - 1, after its present elements.
+    ///   Receives nothing if the pixel is not checked.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
-    /// The error of the highlights is measured in some randomly chosen pixels, by rays that are aimed at the
-    /// highlights. Returns the probability with which pixel (x, y) was chosen, or 0 if it was not chosen. The
-    /// probability is larger for an image with more views: `views` is their number.
+    /// Returns the probability with which pixel (x, y) was chosen at random, or 0 if it was not chosen. In
+    /// chosen pixels, rays measure the error of the highlights (bright spots that the lens blurs). The
+    /// probability increases with `views`, the number of averaged images from single lens points.
     [[nodiscard]] double aimed(int x, int y, int views) const;
 
   private:

@@ -17,8 +17,8 @@ namespace {
 static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
 /// Number of sets of lens points that the squares of an image use. The square in column c and row r uses set
-/// (c + scrambles_down * r) % scrambles. So neighbouring squares use different sets, and squares that use the
-/// same set are far apart. Therefore, their equal noise is not visible as a pattern.
+/// (c + scrambles_down * r) % scrambles. So squares with the same set, and therefore equal noise, are far
+/// apart.
 constexpr int scrambles = 61, scrambles_down = 23;
 
 template <typename T>
@@ -65,10 +65,9 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        // Each square of the image takes its lens points from one of several sets. A square may already have
-        // `first` points of its set and need more, up to the number `end`. `spans` collects these needs for
-        // all squares. Its key is the range of points [first, end), and its value lists the sets from which
-        // at least one square needs this range.
+        // Finds the lens points for which views must be drawn. A piece (square) of the image needs the points
+        // `first` to `end` - 1 of its set of lens points. `spans` maps each such range to the sets of all
+        // pieces that need it, because these are drawn together.
         std::map<std::pair<int, int>, std::set<int>> spans;
         for (int y = 0; y < grid_.height; y += by_field_.piece_px) {
             for (int x = 0; x < grid_.width; x += by_field_.piece_px) {

@@ -19,25 +19,25 @@ namespace postlens {
 
 /// Makes an image as the mean of views (reprojections to different lens points). The views form two
 /// independent halves, whose difference shows the noise. Each tile (64 px square of the image) has its own
-/// number of views, to which more can be added. If there is a scene, traced rays replace uncertain samples of
-/// the views: those at edges, and those without a recorded surface.
+/// number of views, to which more can be added. With a scene, rays replace samples at edges and where no
+/// surface is recorded.
 class HalvedViews {
   public:
     /// Prepares to draw the views (images from single lens points) of a frame, but draws none yet.
     /// `focus.views` and `focus.method` are ignored. Throws the errors of hybrid_picture.
-    /// - `first_set`: number of the first set of lens points. The image uses 122 sets from this number on,
-    ///   because each half has 61. Neighbouring squares of the image use different ones.
+    /// - `first_set`: number of the first of the 122 sets of lens points that the image uses: 61 for each of
+    ///   its two halves
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
-    /// Draws more views (images from single lens points) until each tile of `grid()` has `views[tile]` of
-    /// them. The views are divided between two independent estimates of the whole image, its halves, which
-    /// get equal numbers of views. If the number is odd, half 0 gets one more. The result is bit-identical
-    /// for any number of threads.
+    /// Draws more views (images from single lens points), until tile number t of `grid()` has `views[t]` of
+    /// them. If this number is odd, half 0 of the views gets one more than half 1. The result is
+    /// bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
-    /// Makes rays replace all recorded colours in some tiles: those with a nonzero entry in `tiles`. The
-    /// existing views of these tiles are drawn again with rays, and views that are added later also use rays.
-    /// Returns whether any tile was drawn again; this is false if all these tiles used such rays before.
-    /// - `what`: whether rays also replace the highlights, which the point spread function otherwise spreads
+    /// Lets rays compute all colours of the tiles with a nonzero entry in `tiles`. The views (images from
+    /// single lens points) that have been drawn so far are drawn again there. Returns false if rays already
+    /// computed all these tiles in this way.
+    /// - `what`: whether rays also replace the highlights, whose light is otherwise spread by the lens's
+    ///   point spread function
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
@@ -45,14 +45,14 @@ class HalvedViews {
     [[nodiscard]] bool has_rays() const { return rays_ != nullptr; }
     [[nodiscard]] const std::vector<int>& views() const { return views_; }               ///< per tile
     [[nodiscard]] const std::vector<LeftToRays>& left_to_rays() const { return left_; }  ///< per tile
-    /// Returns one of two independent estimates of the image. The views of the image form two halves, number
-    /// 0 and 1. The estimate is the mean of those views of half `number` that have been drawn so far.
+    /// Returns one of two independent estimates of the image. Each is the mean of half of the views (images
+    /// from single lens points) that have been drawn so far. `number` is 0 or 1.
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] const CheckedPixels& checked_pixels() const { return checked_pixels_; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
-    /// Returns the image: the mean of all views drawn so far, from both halves. Its field `checks` compares,
-    /// for each pixel, rays with the recorded colours, to measure their error. These sums are added over the
-    /// two halves.
+    /// Returns the image: the mean of all views drawn so far, from both halves. Its field `checks` contains
+    /// the sum of the measured errors of each pixel, that is, the radiance of rays minus the recorded
+    /// radiance. It is the sum over the views of both halves.
     [[nodiscard]] FieldFocus whole() &&;
 
   private:
@@ -75,9 +75,8 @@ class HalvedViews {
     std::vector<FieldFocus> spare_;  ///< images whose memory the next draw() uses again
 };
 
-/// Returns the image that is the mean of all views in `views`, with the number of traced rays and the
-/// fraction of samples that rays replaced. HybridResult::stated, the measured error of the image, remains
-/// empty, because the caller measures it.
+/// Returns the image: the mean of all views (images from single lens points) in `views`. The measured error,
+/// HybridResult::stated, remains empty, because the caller measures it.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// Checks the settings of an image, and converts them to settings of field_focus, which averages reprojected
-// views, and of the ray tracer.
+// Checks the settings of an image, and converts them to two other types: the settings of field_focus, which
+// averages images from many lens points, and the settings of the ray tracer.
 #pragma once
 
 #include <string>
@@ -16,21 +16,23 @@ namespace postlens {
 /// if there is none, or if the file was traced from another scene.
 [[nodiscard]] std::string checked_camera(const SampleHeader& header, const Scene& scene);
 
-/// Throws Error(wrong_arguments), naming `method` or `--scene`, if an image cannot be made by averaging
-/// images from single lens points:
-/// - the file is orthographic
-/// - the field of view differs from that of the trace (`framing` is not `keep`)
+/// Checks whether the image can be made by averaging images from single lens points. Throws
+/// Error(wrong_arguments), which names `method` or `--scene`, in these cases:
+/// - the sample file is orthographic
+/// - the field of view differs from that of the file (`framing` is not `keep`)
 /// - the blur is not a mean over lens points (`diffraction`, `lens:`)
 /// - the crop exceeds the image
-/// - the scene's exposure differs from the file's
+/// - the scene's exposure differs from that of the file
 void check_request(const SampleFileReader& file, const HybridSettings& settings, const std::string& method);
 
-/// Returns the settings for making the image as a mean of views: lens, shutter and crop. No rays are set, so
-/// all colours of the views come from the sample file.
+/// Returns the settings of field_focus, which makes an image as the mean of images from many lens points: the
+/// lens, the shutter and the crop of `settings`. The settings contain no ray tracer, so all colours come from
+/// the sample file.
 [[nodiscard]] FieldFocusSettings field_settings(const SampleHeader& header, const HybridSettings& settings);
 
-/// Returns the settings with which the ray tracer (`render`) makes the same image as `settings` describes:
-/// the scene's camera with this lens, focus and shutter. Throws the errors of checked_camera.
+/// Returns settings for the ray tracer, with which its rays can replace colours of the image that `settings`
+/// describes: the camera of the scene through which the file was traced, with the lens, focus and shutter of
+/// the image. Throws the errors of checked_camera.
 [[nodiscard]] RenderSettings ray_settings(const SampleHeader& header, const HybridSettings& settings,
                                           const Aperture& aperture);
 

@@ -27,7 +27,8 @@ struct TileGrid {
                   y = static_cast<int>(tile) / columns() * edge;
         return std::min(edge, width - x) * std::min(edge, height - y);
     }
-    /// Returns the mean of `values` in each tile. They have one value per pixel, row by row.
+    /// Returns, for each tile, the mean of the values of its pixels. `values` has one value per pixel of the
+    /// image, row by row.
     [[nodiscard]] std::vector<double> means(std::span<const float> values) const {
         std::vector<double> out(count(), 0);
         auto value = values.begin();
@@ -39,9 +40,9 @@ struct TileGrid {
     }
 };
 
-/// Returns the width, in px, of the pieces (squares of the image) that have their own lens points. The noise
-/// is estimated from the differences in many independent pieces. At least 2000 are needed. So a small image
-/// has smaller pieces, but none below 4 px.
+/// Returns the width, in px, of a piece of the image: a square with its own lens points, and therefore
+/// independent noise. Small images have smaller pieces, but of at least 4 px, because an accurate estimate of
+/// the noise needs 2000 pieces.
 [[nodiscard]] inline int piece_px(int width, int height) {
     constexpr int least_pieces = 2000, smallest_px = 4;
     int px = TileGrid::edge;

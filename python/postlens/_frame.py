@@ -60,7 +60,7 @@ class Frame:
             raise ArgumentError(
                 f"{self._path}: nothing to focus (got a {self.info['kind']}; expected a sample file or a picture)"
             )
-        #: The report of `postlens trace --json`, if trace() made the frame.
+        #: The report of `postlens trace --json` if trace() wrote the file of this frame, otherwise None.
         self.trace_report: Optional[Report] = None
         self._kept: Optional[_postlens.KeptFrame] = None
         if self.info["kind"] == "samples":

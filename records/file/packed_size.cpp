@@ -11,12 +11,11 @@ namespace postlens {
 
 std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compression, const RecordBand& band,
                            int y_begin, int y_end) {
-    // Number of bytes that a row of pixels occupies in the file, apart from its compressed records. The row
-    // has a chunk in each of two parts of the file: `records` and `scanlines`.
-    // - 32 for the header of the chunk in `records`
-    // - 12 for the header of the chunk in `scanlines`
-    // - ScanlineRow::byte_count for the data of this second chunk
-    // - 8 for the entry of each chunk in the table of chunk positions of its part
+    // Number of bytes that a row needs in the file, apart from its compressed records:
+    // - 32: header of its chunk in the part `records`
+    // - 12: header of its chunk in the part `scanlines`
+    // - ScanlineRow::byte_count: the summary of the row in `scanlines`
+    // - 8 for each of the two chunks: its position in the file's table of chunks
     constexpr std::uint64_t around_row = 32 + 12 + layout::ScanlineRow::byte_count + 2 * 8;
     const RecordChannels channels{header.has_w, header.has_layers, header.has_bend, header.has_marks};
     ScanlineBytes bytes(band.width(), channels);

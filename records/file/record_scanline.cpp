@@ -16,8 +16,9 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "chunks are copied as they are; OpenEXR is little-endian");
 
-/// Tables that convert half floats to positions within a pixel, and back. Positions are multiples of 1/1024
-/// px. Half floats with other values become NaN.
+/// Converts positions within a pixel between half floats, in which the file stores them, and floats. Valid
+/// positions are multiples of 1/1024 px, which half floats represent exactly. All other half floats are
+/// converted to NaN, so that damage to the file is found.
 struct HalfOffsets {
     std::array<std::uint16_t, position_steps> half_of_step{};
     std::array<float, 65536> offset_of_half{};
@@ -83,9 +84,9 @@ float float_of_half(std::uint16_t bits) {
     return h;
 }
 
-/// Converts a half float, in which the file stores the mark of a record, to this mark, a set of flags. A
-/// valid half float is an integer from 0 to 255. Other values become 255. No valid mark has this value, so
-/// the damage is found later.
+/// Converts the mark of a record (a set of flags, RecordMark) from a half float, in which the file stores it,
+/// to an integer. An invalid half float becomes 255, which contains unknown flags. So the damage is found
+/// when the records are checked.
 std::uint8_t mark_of_half(std::uint16_t bits) {
     const float value = float_of_half(bits);
     return value >= 0 && value <= 255 && value == std::floor(value) ? static_cast<std::uint8_t>(value) : 255;

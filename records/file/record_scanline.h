@@ -15,12 +15,12 @@ namespace postlens {
 /// file.
 [[nodiscard]] std::size_t bytes_per_record(RecordChannels channels);
 
-/// One row of records (a scanline) in the form in which the file stores it, before compression. The bytes are
-/// in little-endian order:
+/// One row of records (surface hits), as the bytes that the file stores, before compression. The bytes are in
+/// little-endian order:
 /// - y as int32
 /// - for each pixel, the number of records up to and including that pixel, as uint32
-/// - the channels (docs/sample_file.md) B G R W.bend W.xx W.xy W.yx W.yy Z id layer mark node.path sample.x
-///   sample.y, each with one value per record, pixel by pixel
+/// - the channels B G R W.bend W.xx W.xy W.yx W.yy Z id layer mark node.path sample.x sample.y, which contain
+///   the fields of Record (docs/sample_file.md); each channel has one value per record, pixel by pixel
 class ScanlineBytes {
   public:
     ScanlineBytes(int width, RecordChannels channels) : width_(width), channels_(channels) {}
@@ -35,9 +35,9 @@ class ScanlineBytes {
     /// the i-th pixel, and the last element becomes the total number of records. Returns false if the stored
     /// numbers of records are damaged, i.e. contradict each other.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
-    /// Unpacks the records of the row. If the file does not store the channels of a field, the field becomes
-    /// 0. The matrix Record::w is an exception: it becomes the unit matrix divided by the depth, which is its
-    /// value for a surface seen directly. Returns false if a position is damaged.
+    /// Unpacks the records of the row. Fields without a channel in the file become 0, except Record::w, which
+    /// becomes the unit matrix divided by the depth. This is its value for all surfaces seen directly.
+    /// Returns false if a position is damaged.
     [[nodiscard]] bool unpack_records(int x_begin, std::span<const std::uint32_t> offsets,
                                       std::span<Record> records) const;
 

@@ -7,9 +7,8 @@
 namespace postlens::layout {
 namespace {
 
-/// One row of `scanlines`, a part of the sample file that summarises the part `records` (surface hits) row by
-/// row. The fields stand in the order in which the file stores them. Each field is a channel of the part with
-/// a similar name: for example, `z_far` is the channel Z.far.
+/// Summary of one row of records (surface hits), as the part `scanlines` of the sample file stores it. It has
+/// one OpenEXR channel for each field, in this order. For example, the field `z_far` is the channel Z.far.
 struct RowFields {
     float z_far, z_near;
     std::uint32_t checksum_hi, checksum_lo, picture_hi, picture_lo, records, row_check;

@@ -16,9 +16,9 @@ namespace postlens::layout {
 enum Part : int { picture_part, records_part, scanlines_part, parts_of_first_instant };
 inline constexpr std::array<const char*, parts_of_first_instant> part_types{"scanlineimage", "deepscanline",
                                                                             "scanlineimage"};
-/// Returns the index of a part in the sample file. Part 0 is the pinhole image, of which there is only one.
-/// The parts `records` and `scanlines` of instant 0 follow as parts 1 and 2, then those of instant 1, and so
-/// on.
+/// Returns the index of a part in the sample file. Part 0 is the pinhole image. For each recorded instant,
+/// two parts follow: the records, and the summaries of their rows (`scanlines`). So instant 0 has the parts 1
+/// and 2, instant 1 has 3 and 4, and so on.
 [[nodiscard]] inline int part_index(Part part, std::size_t instant) {
     return static_cast<int>(part) + (part == picture_part ? 0 : 2 * static_cast<int>(instant));
 }
@@ -34,8 +34,9 @@ struct PartPlace {
     if (index == 0) return {picture_part, 0};
     return {index % 2 == 1 ? records_part : scanlines_part, (index - 1) / 2};
 }
-/// Returns the name of a part of the OpenEXR file: "picture", "records" or "scanlines". For instant i > 0, it
-/// is "records.k<i>" or "scanlines.k<i>".
+/// Returns the name of a part of the sample file. At instant 0, it is "picture" for the pinhole image,
+/// "records" for the records, or "scanlines" for the summaries of their rows. At a further recorded instant i
+/// > 0, it is "records.k<i>" or "scanlines.k<i>".
 [[nodiscard]] std::string part_name(const PartPlace& place);
 /// Compression of the chunks of records.
 [[nodiscard]] ChunkCompression codec_of(RecordCompression compression);
@@ -58,17 +59,18 @@ inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
     return static_cast<std::size_t>((rows + step - 1) / step);
 }
 
-/// Summary of one row of records. The part `scanlines` of a sample file stores it, together with a checksum
-/// of the summary's own bytes. `facts` describes the records. `picture_checksum` is the checksum of the row
-/// of the pinhole image with the same y. It is 0 if the image has no such row, for example in the overscan.
+/// Summary of one row of records (surface hits), which the sample file stores in its part `scanlines`.
+/// `facts` contains the number of records, the range of their depths, and their checksum.
 struct ScanlineRow {
     static constexpr std::size_t byte_count = 32;
     ScanlineFacts facts;
+    /// Checksum of the row of the pinhole image that has the same y. It is 0 if the image has no such row,
+    /// for example in the overscan.
     std::uint64_t picture_checksum = 0;
 
     [[nodiscard]] std::array<std::uint8_t, byte_count> bytes(int y) const;
-    /// Reads the summary of row y from its bytes in the file. Returns nothing if the summary's checksum does
-    /// not match.
+    /// Reads the summary of row y of the records from its bytes in the file. Returns nothing if the summary
+    /// is damaged, that is, if its checksum does not match.
     [[nodiscard]] static std::optional<ScanlineRow> from_bytes(ByteView bytes, int y);
 };
 

@@ -17,10 +17,9 @@ namespace {
 
 using namespace layout;
 
-/// A chunk (a compressed block of the file) states the size of its uncompressed data. This size is not
-/// questioned up to `unquestioned_bytes`. A chunk with a larger size is rejected if the size also exceeds
-/// `largest_expansion` times the chunk's packed size. So a small damaged file cannot cause a large
-/// allocation.
+/// A chunk (a compressed block of the file) is rejected if the size that it states for its uncompressed data
+/// exceeds both limits: `unquestioned_bytes`, and `largest_expansion` times its packed size. So a small
+/// damaged file cannot cause a large allocation.
 constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
 constexpr std::uint64_t largest_expansion = 64;
 

@@ -84,10 +84,9 @@ struct SampleFileReader::Impl {
     void check_record_count() const;
     /// Reads a row of records into `work.row`.
     void read_alone(std::size_t instant, int y, Workplace& work) const;
-    /// Makes records that replace those of row y, which are damaged. They are samples of rays that hit
-    /// nothing. They lie at the upper left corner of each pixel of row y. The lower corners of row y - 1's
-    /// quadtree cells also lie in row y. So if row y - 1 is intact, these corners get such samples, too;
-    /// otherwise its quadtrees would be incomplete.
+    /// Makes the records that replace the damaged row y, in `work`: samples of rays that hit nothing. There
+    /// is one at the upper left corner of each pixel. If row y - 1 is intact, there are also some at the
+    /// lower corners of its quadtree cells, which are stored in row y.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;
     void place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                          RecordBand& band) const;

@@ -9,7 +9,8 @@ namespace postlens {
 
 using namespace layout;
 
-/// Finds the rows that cannot be read. Marks them as lost, with the summary of an empty row.
+/// Finds the rows that cannot be read, and marks them as lost. The summary of a lost row (number of records,
+/// depths, checksum) is replaced by that of an empty row.
 void SampleFileReader::Impl::find_lost_rows() {
     for (std::size_t i = 0; i < instants.size(); ++i) {
         Instant& of = instants[i];
@@ -34,10 +35,9 @@ void SampleFileReader::Impl::find_lost_rows() {
     }
 }
 
-/// Replaces the rows of records that cannot be read, in all recorded instants. An instant without any
-/// readable row is removed. In the other instants, the unreadable rows are replaced by samples of rays that
-/// hit nothing. The number of these samples is stored for each row, because the reader needs it before it
-/// reads the row.
+/// Replaces the unreadable rows at each recorded instant by samples of rays that hit nothing. If an instant
+/// has no readable row, the instant is removed. Here, only the number of the replacing samples is stored for
+/// each row. The samples themselves are made when the row is read.
 void SampleFileReader::Impl::replace_lost_rows() {
     const auto nothing_left = [](const Instant& of) {
         return std::find(of.lost.begin(), of.lost.end(), 0) == of.lost.end();
@@ -85,8 +85,8 @@ void SampleFileReader::Impl::place_stand_ins(std::size_t instant, int y, std::ui
                                              RecordBand& band) const {
     find_stand_ins(instant, y, work);
     // Row y is damaged, so its records are replaced by `work.stand_ins`, records of rays that hit nothing.
-    // Their number follows from the row above, and was computed when the file was opened. If it is different
-    // now, the row above has changed, so the file was modified while it was read.
+    // Their number was computed when the file was opened. If it is different now, the file was modified in
+    // the meantime.
     if (work.stand_ins.size() != instants[instant].facts[row_index(y)].records)
         fail_damaged(y, "the file changed while it was read");
     std::copy(work.stand_ins.begin(), work.stand_ins.end(), band.records.begin() + base);

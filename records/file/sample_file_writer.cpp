@@ -188,9 +188,9 @@ void SampleFileWriter::Impl::write_scanline_row(int y, const ScanlineFacts& fact
     output->write_flat_chunk(part_index(scanlines_part, instant), y, row.bytes(y));
 }
 
-/// Completes a recorded instant, after its last row of records was written. Each row has a summary, which
-/// contains the checksum of an image row. The image row also depends on the next row of records. Therefore,
-/// each summary is written one row late, and that of the last row is written here.
+/// Completes a recorded instant after its last row of records. The summary of a row is written one row later
+/// than its records, because it contains a checksum of pixels whose lower corners belong to the next row. So
+/// the last summary is written here.
 void SampleFileWriter::Impl::end_instant() {
     if (next_y != window.y_max + 1) {
         fail(ExitCode::invalid_input, "{}: records are missing (got rows up to {}; expected up to {})", name,
@@ -217,16 +217,16 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         add_to_last_row(band, y_begin);
         compute_picture_row(last_row, y_begin - 1);
     }
-    // Computes the image rows that are now complete. The corners of the pixels in image row y - 1 lie in the
-    // rows y - 1 and y of the records, so image row y - 1 is computed when row y arrives. For the first row
-    // of the band, row y - 1 is not in the band but in `last_row`, and was used above.
+    // Computes the rows of the pinhole image that are now complete. Image row y - 1 needs the rows y - 1 and
+    // y of the records, because they contain the upper and lower corners of its pixels. The image row above
+    // the first row of `band` has already been computed.
     parallel_for(count, [&](std::size_t i) {
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);
     });
-    // Writes the rows of records, and in between each block of image rows as soon as it is complete. If the
-    // blocks were written at the end of the call instead, the order of chunks in the file would depend on the
-    // number of rows per call.
+    // Writes the rows of records to the file. The rows of the pinhole image are written in blocks, each as
+    // soon as the records that it needs are written. So the order of the data in the file does not depend on
+    // the number of rows per call.
     const int block_rows = rows_per_chunk(picture_codec);
     for (std::size_t i = 0; i < count; ++i) {
         const int y = y_begin + static_cast<int>(i);

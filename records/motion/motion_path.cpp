@@ -42,13 +42,14 @@ MotionPath::MotionPath(const std::vector<TransformKey>& keys) {
         v.scale = a.scale;
         v.scale_step = b.scale - a.scale;
         v.from = a.rotation;
-        // As in glm::slerp, the rotation takes the shorter way. An angle whose sine is too small to divide by
-        // is interpolated linearly.
+        // Prepares the interpolation between the rotations of the keys a and b. The quaternions q and -q
+        // describe the same rotation, and the sign that gives the smaller angle is chosen, as in glm::slerp.
         double cosine = glm::dot(a.rotation, b.rotation);
         v.to = cosine < 0 ? -b.rotation : b.rotation;
         cosine = std::abs(cosine);
         v.turns = v.to != v.from;
         v.rotation = glm::mat3_cast(v.from);
+        // If the sine of the angle is nearly 0, `inverse_sine` is not set, and the interpolation is linear.
         if (cosine <= 1 - std::numeric_limits<double>::epsilon()) {
             v.angle = std::acos(cosine);
             v.inverse_sine = 1 / std::sin(v.angle);

@@ -41,8 +41,9 @@ struct SceneMotion {
 /// same values. docs/sample_file.md lists the members.
 [[nodiscard]] std::string motion_text(const SceneMotion& motion);
 
-/// Reads text of motion_text(). Throws Error(invalid_input) if the structure or a value is invalid, for
-/// example if times do not increase. The message begins with `source`.
+/// Reads the motion of a scene from JSON text, which motion_text() has made. Throws Error(invalid_input) if
+/// the structure or a value is invalid, for example if times do not increase. The error message begins with
+/// `source`.
 [[nodiscard]] SceneMotion motion_of_text(const std::string& text, const std::string& source);
 
 }  // namespace postlens

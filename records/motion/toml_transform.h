@@ -13,8 +13,8 @@ namespace postlens {
 
 /// Returns the accepted range of a length, in units of `metres_per_unit`.
 [[nodiscard]] NumberRange length_range(double metres_per_unit);
-/// Returns the range that is accepted for the extent of an object, such as a radius, in a TOML file. The
-/// range is in the unit of the file, which is `metres_per_unit` metres long.
+/// Returns the accepted range of an object's extent, such as a radius, in a TOML file. The range is in the
+/// unit of length of the file. One such unit is `metres_per_unit` metres.
 [[nodiscard]] NumberRange extent_range(double metres_per_unit);
 
 /// Reads a vector and normalises it. Returns an empty value if the key is absent. Throws if the length is 0.

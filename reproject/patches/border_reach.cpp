@@ -133,10 +133,9 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
                      sample_across = side.across ? at.sample.x : at.sample.y;
         const auto mark_cell = [&](const Seen& s, double along) {
             if (along < begin - 2 || along > end + 2) return;
-            // The view shows the border pixel of the recorded image at the position `along`. From there, the
-            // surface is assumed to continue outside the recorded image. Its outline may cross the border
-            // obliquely. So pixels up to 1 px before and after this position, in the direction of the border,
-            // are marked too.
+            // Marks the pixels of the view that a surface may cover beyond the border of the recorded image.
+            // `along` is the position, in the direction of the border, at which the view shows a border
+            // pixel. Pixels up to 1 px beside it are marked too, because the surface may continue obliquely.
             const int a0 = std::max(0, static_cast<int>(std::ceil(along - 1 - begin - sample_along))),
                       a1 = std::min(static_cast<int>(end - begin) - 1,
                                     static_cast<int>(std::floor(along + 1 - begin - sample_along)));

@@ -23,10 +23,9 @@ class BorderReach {
     /// Returns whether the lens or motion may bring a surface from beyond the border of the recorded image
     /// into the tile `at`.
     [[nodiscard]] bool reaches(const TilePlace& at) const;
-    /// Finds the pixels of a view that an unrecorded surface outside the recorded image may cover. For this,
-    /// the surfaces at the border of the recorded image are assumed to continue beyond it. For each pixel
-    /// that continued surfaces may cover, the inverse depth of the nearest of them is written to
-    /// SeenTile::maybe_inverse_z.
+    /// Finds the pixels of `view` (image for another lens point or instant) that surfaces from outside the
+    /// recorded image may cover. Each surface at the border is assumed to continue beyond it.
+    /// SeenTile::maybe_inverse_z receives the inverse depth of the nearest one in each pixel.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
 
   private:
@@ -50,17 +49,17 @@ class BorderReach {
         int first = 0;        ///< position of the first cell along the side, raster px
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Largest displacement of the surfaces at this side of the recorded image, from their recorded
-        /// positions to their positions in any view. `deepest_px` is the part perpendicular to the side, into
-        /// the image. `sideways_px` is the part along the side.
+        /// Largest displacement of a surface at this side of the recorded image, between its recorded
+        /// position and its position in any view. `deepest_px` is the component towards the inside of the
+        /// image, perpendicular to the side. `sideways_px` is the component along the side.
         double deepest_px = 0, sideways_px = 0;
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };
-    /// Where a view shows a pixel at the border of the recorded image, as raster coordinates, in px. `along`
-    /// is the coordinate parallel to the border, and `across` the coordinate perpendicular to it. `inverse_z`
-    /// is the inverse depth of the pixel's surface, in 1/m.
+    /// Position at which a view shows a border pixel of the recorded image. `along` is the raster coordinate
+    /// parallel to the border, and `across` the one perpendicular to it, in px. `inverse_z` is in 1/m. `any`
+    /// is false if the pixel has no surface, or if this lies behind the camera at the view's instant.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

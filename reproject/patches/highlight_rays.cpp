@@ -8,10 +8,9 @@
 namespace postlens {
 namespace {
 
-/// Numbers of rays that measure the highlights' light in a pixel. First, `few_rays` test rays are traced
-/// towards the highlights. If their radiances differ, `many_rays` further rays measure the light, because
-/// their mean is noisy; otherwise `few_rays` further rays suffice. The mean excludes the test rays: they
-/// decided the number of rays, so including them would bias it.
+/// Numbers of rays that measure the highlights' light in a pixel. First, `few_rays` test rays are traced. If
+/// their radiances differ, the light is measured by `many_rays` further rays, and otherwise by `few_rays`
+/// further ones. Including the test rays would bias the mean.
 constexpr int few_rays = 4, many_rays = 28;
 /// The radiances of a pixel's rays differ if, in some colour channel, greatest minus least exceeds this
 /// fraction of the greatest.

@@ -12,16 +12,16 @@
 
 namespace postlens {
 
-/// Measures the error of the highlights in a tile. Few rays through random lens points hit a small light, so
-/// additional rays are aimed at the recorded highlights (Lights::aim).
+/// Measures the error of the light that highlights (bright spots, blurred by the lens) add to the pixels of a
+/// tile. Rays are aimed at the recorded highlights (Lights::aim), because few rays through random lens points
+/// hit a small light source.
 class CheckedHighlights {
   public:
     std::vector<HighlightCheck> sums;  ///< per pixel
 
-    /// Measures the error of `light`, the light that highlights add to the image, in the pixels that
-    /// PatchViews::aimed selects. In each of these pixels, test rays towards the highlights first decide how
-    /// many rays are needed. Their number is added to `checks`. Then the rays that measure the light are
-    /// traced. `sums` receives their sum and number.
+    /// Measures the error of `light`, the light that highlights add to the image, in randomly selected pixels
+    /// (PatchViews::aimed). `sums` receives the sum and the number of the rays that measure it. The number of
+    /// the test rays traced before is added to `checks`.
     void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 

@@ -27,20 +27,20 @@ class MotionMarks {
     [[nodiscard]] std::uint8_t of(std::size_t instant, std::uint32_t sheet) const {
         return marks_[instant][sheet];
     }
-    /// Returns whether any of the given patches (planar parts of visible surfaces) belongs to a wanted
-    /// object. Each group of moving objects has a bit mask (PatchField::class_marks). An object is wanted if
-    /// the mask of its group has a bit of PatchField::wanted_marks.
+    /// Returns whether a wanted object is visible in any of the given patches (planar parts of surfaces).
+    /// Objects that move alike form a group, and each group has a bit mask (PatchField::class_marks). The
+    /// objects of a group are wanted if its mask and PatchField::wanted_marks have a common bit.
     [[nodiscard]] bool any_wanted(std::size_t instant, std::span<const std::uint32_t> patches) const;
     /// Marks the pixels of a tile in which a moving object was recorded at the instant number `instant`. At
-    /// other instants of the exposure, the object leaves these pixels and uncovers what lies behind it.
-    /// Therefore, its motion may change them. `mesh` contains the visible surfaces in the tile. The marks are
-    /// added to `touched`.
+    /// other instants, these pixels may show what lies behind the object. To mark a pixel is to add the bit
+    /// mask of the object's group to `touched`.
+    /// - `mesh`: the visible surfaces in the tile
     void mark_recorded(std::size_t instant, const PatchMesh& mesh, const TilePlace& at,
                        Touched& touched) const;
-    /// Marks the pixels in which the view `v` shows a moving object. In pixels in which `v` shows no recorded
-    /// surface, all bits are set, because any object may appear there. A view is made from one recorded
-    /// instant or blended from two (PatchView::uses). `seen` is an array with the surfaces that it shows, one
-    /// element for each of these instants.
+    /// Marks the pixels in which the view `v` shows a moving object: adds the bit mask of the object's group
+    /// to `touched`. If the view shows no recorded surface in a pixel, all bits are set, because any object
+    /// may appear there.
+    /// - `seen`: the surfaces that the view shows, one SeenTile for each element of PatchView::uses
     void mark_seen(const PatchView& v, const TilePlace& at, const SeenTile* seen, Touched& touched) const;
 
   private:

@@ -1,5 +1,6 @@
-// Bounds how much motion distorts a patch (nearly planar part of a surface). Patches with too large a
-// distortion are divided into smaller ones.
+// Computes how much the motion of an object distorts the image of a patch (nearly planar part of its
+// surface). A patch is reprojected by an affine map, so if the distortion is too large, the patch is divided
+// into smaller ones.
 #pragma once
 
 #include <cstddef>
@@ -11,22 +12,22 @@
 
 namespace postlens {
 
-/// While an object moves, the image of a part of its surface is stretched and bent. This function returns the
-/// greatest such effects at some instants of the exposure (MotionStrain). Used as PatchLens::motion, which
-/// decides how finely surfaces are divided.
+/// Computes how much the motion during the exposure distorts the image of a patch (small part of a surface).
+/// The motion is evaluated at several instants, and the result is the largest distortion. This decides how
+/// finely surfaces are divided into patches.
 struct StrainOfMotions {
-    /// Motions of the objects during the exposure, as maps on the raster. Objects that move alike form a
-    /// group, whose number is g. The exposure is sampled at about `strain_views` instants, whose number is i.
-    /// views[i][g] maps the position of group g at the recorded instant to its position at instant i.
+    /// Motions of the objects during the exposure, evaluated at several instants (about `strain_views`).
+    /// Objects that move alike form a group. views[i][g] is a map for the group g: it leads from a position
+    /// on the raster where the group was recorded to its position at the evaluated instant number i.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 
     [[nodiscard]] MotionStrain operator()(const SheetKey& key, const RasterPoint& middle,
                                           const glm::dvec2& slope, const glm::dvec2& reach) const;
 };
-/// Approximate number of instants of the exposure at which motion is tested for distortion. The number is
-/// prime. Otherwise, a periodic motion, such as a vibration, might have the same phase at all of these
-/// instants, and would then seem not to move.
+/// Approximate number of instants of the exposure at which the motion of objects is evaluated. It is prime.
+/// Otherwise, a periodic motion, such as a vibration, might have the same phase at all of these instants, and
+/// would then seem not to move.
 inline constexpr int strain_views = 17;
 
 }  // namespace postlens

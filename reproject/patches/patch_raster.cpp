@@ -14,19 +14,19 @@
 namespace postlens {
 namespace {
 
-/// A planar patch is not drawn if its map into the view scales areas by less than this. It is then seen
-/// edge-on, and covers no sample.
+/// Least factor by which the reprojection to a view may scale the area of a patch (planar part of a surface).
+/// With a smaller factor, the patch is seen edge-on and contains no sample of a pixel, so it is not drawn.
 constexpr double smallest_area = 1e-6;
 
-/// SIMD code processes this many neighbouring samples of an image row together. A patch that is at most 8
-/// samples wide is processed with `few_lanes`, because more lanes would be empty. A wider patch is processed
-/// with `most_lanes`.
+/// Number of neighbouring samples of an image row that SIMD code processes together. It is `few_lanes` for a
+/// patch (planar part of a surface) that is at most 8 samples wide in the image, because more lanes would be
+/// empty.
 constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
-/// The pixels of a tile that a patch (planar part of a surface) may cover, row by row. The view has one
-/// sample in each pixel. In the coordinates of the patch, the first sample of pixel row j lies at first(j),
-/// and each following sample lies (by_x, by_y) farther. So sample i lies at first(j) + i * (by_x, by_y).
+/// The pixels of a tile that a patch (planar part of a surface) may cover, row by row, and the positions of
+/// their samples on the patch, in px from its corner. From each sample to the next one on its right, the
+/// position changes by (by_x, by_y).
 struct Run {
     glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
     glm::dvec2 origin{0};  ///< raster px of sample (0, 0)
@@ -41,6 +41,7 @@ struct Run {
     const std::uint32_t* nodes = nullptr;
     int depth = 0;
     std::uint32_t mark = 0;  ///< bits that are added to every texel number
+    /// Returns the position of the leftmost sample in pixel row j.
     [[nodiscard]] glm::vec2 first(int j) const { return back * (origin + glm::dvec2(i0, j) - from); }
     [[nodiscard]] std::size_t pixel(int j) const {
         return static_cast<std::size_t>(j) * SeenTile::edge + static_cast<std::size_t>(i0);
@@ -77,9 +78,10 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 // sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Tests which of `lanes` successive samples of an image row a patch covers. Bit n of the result is set if
-/// the patch covers sample `begin` + n and is nearer there than the surface drawn before, whose inverse depth
-/// is there[n]. `lane` receives the positions and inverse depths of the samples.
+/// Tests in which of `lanes` successive pixels of an image row a patch (planar part of a surface) is visible.
+/// Bit n of the result is set if it is visible at the sample of pixel `begin` + n.
+/// - `there`: inverse depths of the surfaces drawn before
+/// - `lane`: receives the positions of the samples on the patch and the patch's inverse depths there
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
@@ -119,9 +121,9 @@ POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::u
     return found;
 }
 
-/// Finds the colour of a patch at one position within a recorded pixel. The pixel's colours are stored in a
-/// quadtree. Starting at the cell `node`, descends to the leaf (undivided cell) that contains (x, y), the
-/// position in the pixel, from 0 to 1. Returns this leaf.
+/// Finds a recorded colour in the quadtree that stores the colours of a pixel. The search starts at the cell
+/// `node` and returns the leaf (undivided cell) that contains the position (x, y), from 0 to 1 across the
+/// cell.
 POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x, float y) {
     for (int level = 0; level < run.depth && (node & SheetNode::leaf) == 0; ++level) {
         x *= 2;
@@ -134,14 +136,15 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
     return node;
 }
 
-/// Draws some of the samples in `lane`, one by one: sample n is drawn if bit n of `found` is set. The colour
-/// of each sample is looked up in the quadtree of the patch's pixel. Where the quadtree has no surface,
-/// nothing is drawn. Where it may have one (SheetNode::maybe), only `seen.maybe` is raised.
+/// Draws a patch (planar part of a surface) in some pixels of a row that begins at `seen`: in pixel n if bit
+/// n of `found` is set. Pixels in which the patch has no recorded colour are left unchanged. `lane` contains
+/// the position of each pixel's sample on the patch, and its inverse depth.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));
         const std::uint32_t node = leaf_at(run, run.roots[lane.cell[n]], lane.x[n], lane.y[n]);
         if (SheetNode::empty(node)) {
+            // A possible surface, whose edge is unknown, is not drawn. Only its inverse depth is kept.
             if (node == SheetNode::maybe) seen.maybe[n] = std::max(seen.maybe[n], lane.z[n]);
             continue;
         }
@@ -192,11 +195,9 @@ void draw_rows(const Run& run, const Where& where, const Seen& seen) {
     draw_runs(run, where, seen);
 }
 
-/// Draws those samples of `found` (one bit per sample) whose pixel is a single quadtree cell, so that its
-/// colour needs no search. AVX-512 can read and write any subset of a register's elements, so all of them are
-/// drawn at once. Returns the bits of the other samples. The registers must be as wide as those with which
-/// find_samples stored `lane`. Otherwise, one wide load would depend on two narrow stores, and the processor
-/// would wait for them.
+/// Draws those samples of `found` (one bit per sample) whose recorded pixel is not divided, and therefore has
+/// only one colour. Returns the bits of the other samples. `lanes` must be that of find_samples, because
+/// otherwise a wide load of `lane` would have to wait for two narrower stores.
 template <int lanes>
 POSTLENS_FOR_INSTRUCTION_SET("arch=x86-64-v4")
 POSTLENS_PART std::uint32_t
@@ -342,9 +343,9 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
     wanted.any_gaps = false;
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
-        // Clears the tile's whole row of pixels, and not only the pixels in `part`. The surfaces are drawn by
-        // draw_patch_in, which also reads and tests pixels to the left of `part`. The infinite inverse depth
-        // prevents drawing outside the wanted pixels.
+        // Clears this row of the tile. The inverse depths are set to infinity, so that the depth test lets
+        // nothing be drawn, and in the wanted pixels then to `nothing`. The whole row is cleared, because
+        // draw_patch_in also tests pixels to the left of `part`.
         std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
         std::fill_n(out.maybe_inverse_z.data() + row, SeenTile::edge, SeenTile::nothing);
@@ -373,10 +374,9 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     const double torn = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     if (!(torn <= largest_torn_px) || !(std::abs(glm::determinant(m)) > smallest_area)) return;
     const std::uint32_t parent_id = mesh.sheet(patch).key.parent_id;
-    // The pixels of the tile are drawn in rows. The positions of the samples in a row are computed from that
-    // of its first sample, so their rounding depends on where the row starts. Therefore, a row starts where
-    // the patch or the tile begins, even if only pixels farther right are needed. So the result does not
-    // depend on `wanted.part`.
+    // Each row begins where the patch or the tile begins, even if only pixels farther right are wanted. The
+    // positions of its samples are computed from the first one, so their rounding would otherwise depend on
+    // `wanted.part`.
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;

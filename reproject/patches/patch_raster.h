@@ -19,9 +19,9 @@ struct SeenTile {
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
     static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
-    /// Bit of a pixel's element in `texel`, the array that stores which recorded colour each pixel shows. If
-    /// it is set, the pixel shows a reflection or refraction that cannot be reprojected accurately, because
-    /// its image moves too nonlinearly with the lens point (Patch::bent).
+    /// A flag in the elements of `texel`, which are numbers of recorded colours. This highest bit is set if
+    /// the colour belongs to a reflection or refraction that cannot be reprojected accurately, for example in
+    /// a curved mirror (Patch::bent).
     static constexpr std::uint32_t bent = 0x80000000U;
 
     /// Padding for SIMD code, which reads 16 values at a time, even beyond the end of the last row.
@@ -29,9 +29,9 @@ struct SeenTile {
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// For each pixel: inverse depth, in 1/m, of the nearest surface that possibly covers the pixel. The
-    /// records contain no exact edges. Where an edge may lie, a cell of the surface is marked
-    /// SheetNode::maybe, and this inverse depth is stored instead of drawing the cell. -1 if there is none.
+    /// For each pixel: inverse depth, in 1/m, of the nearest surface that possibly covers the pixel; -1 if
+    /// there is none. Exact edges are not recorded, so between samples on both sides of an edge, the surface
+    /// may or may not exist (SheetNode::maybe).
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -81,16 +81,17 @@ struct TilePart {
 class PixelBlocks {
   public:
     void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
-    /// Returns whether a rectangle may contain a pixel of the set, to which `add` adds pixels. The set stores
-    /// only which blocks of 8 x 8 px contain such pixels. So the result is whether the rectangle [x0, x1] x
-    /// [y0, y1], in px from the tile's corner, touches any of these blocks.
+    /// Returns whether a rectangle, [x0, x1] x [y0, y1] in px from the tile's corner, may contain a pixel
+    /// that was added. The result may be true without such a pixel, because only blocks of 8 x 8 px are
+    /// stored.
     [[nodiscard]] bool any_in(float x0, float x1, float y0, float y1) const {
         constexpr auto end = static_cast<float>(SeenTile::edge);
         if (!(x1 >= 0 && x0 < end && y1 >= 0 && y0 < end)) return false;
         const auto block = [](float at) {
             return static_cast<unsigned>(std::clamp(at, 0.0F, end - 1)) / block_px;
         };
-        // Returns eight bits of which the bits `from` to `to` are set.
+        // Returns a mask for the eight blocks of a row or column, in which the bits `from` to `to`, both
+        // included, are set.
         const auto bits = [](unsigned from, unsigned to) { return (2U << to) - (1U << from); };
         const std::uint64_t columns = bits(block(x0), block(x1)) * std::uint64_t{0x0101010101010101};
         const unsigned top = block(y0), bottom = block(y1);
@@ -117,10 +118,11 @@ struct WantedPixels {
         in{};       ///< for each pixel that needs the surface, id of the object that reflects or transmits it
     TilePart part;  ///< bounding box of these pixels; empty if there are none
     PixelBlocks blocks;
-    /// Whether the mirror or glass is not recorded in some of these pixels. There, the nearest visible object
-    /// in which it would be seen is known. So for such a pixel, the array `in` stores in_gap(id of this
-    /// object) instead of the id of an object that reflects or transmits.
+    /// Whether the array `in` contains gaps. A gap is a pixel in which a mirror or glass may be visible in
+    /// another mirror or through other glass, but is not recorded.
     bool any_gaps = false;
+    /// Returns the value of `in` for a gap. `id` is the nearest recorded object in which the mirror or glass
+    /// would be seen.
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
 
@@ -135,16 +137,18 @@ struct WantedPixels {
 void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
-/// Finds the pixels that show a mirror or glass with a reflection or refraction that is drawn as a separate
-/// surface. The mirror or glass is the parent of this surface in the shading tree. Returns the bounding box
-/// of these pixels, in px from the tile's corner.
+/// Finds the pixels that show a mirror or glass whose reflection or refraction is drawn separately, as
+/// patches (planar parts of surfaces) of its own. Returns the bounding box of these pixels, in px from the
+/// tile's corner.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
-/// Draws a patch (planar part of a surface) that is seen in a mirror or through glass. It is drawn, with a
-/// depth test, only in the pixels of `wanted` that show its mirror or glass. `wanted` and `out` must come
-/// from find_wanted. A patch that reprojection magnifies more than `largest_torn_px` times is left out.
+/// Draws a patch (planar part of a surface) that is seen in a mirror or through glass, with a depth test. It
+/// is drawn only in the pixels that show its own mirror or glass. find_wanted has selected these pixels
+/// (`wanted`), and has prepared `out`.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
+/// A patch that is seen in a mirror or through glass is not drawn if the view magnifies it more than this
+/// many times.
 inline constexpr double largest_torn_px = 16;
 
 }  // namespace postlens

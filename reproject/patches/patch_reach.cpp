@@ -8,10 +8,9 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     const glm::dvec2 corner = mesh.corner(patch);
     const double half_x = patch.width / 2.0, half_y = patch.height / 2.0;
     const bool has_w = mesh.sheets->has_w();
-    // `p` holds the linear functions that the patch stores, of which p[0] is the inverse depth. `xx` to `yy`
-    // are the entries of the 2x2 matrix W, which describes how a surface point's image moves with the lens
-    // point. For a directly visible surface, W is the unit matrix times the inverse depth. Therefore, W is
-    // stored only for reflections and refractions (`has_w`).
+    // `p` holds the patch's linear functions of the raster position. `p[0]` is the inverse depth. `xx` to
+    // `yy` are the entries of the 2x2 matrix W, which tells how far the image moves with the lens point. For
+    // directly visible surfaces, W is the unit matrix times the inverse depth.
     const CellPlane nothing, &xx = has_w ? p[1] : p[0], &xy = has_w ? p[2] : nothing,
                              &yx = has_w ? p[3] : nothing, &yy = has_w ? p[4] : p[0];
     const auto middle = [&](const CellPlane& w) {
@@ -28,9 +27,9 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     out.xy = static_cast<float>(middle(xy));
     out.yx = static_cast<float>(middle(yx));
     out.yy = static_cast<float>(middle(yy));
-    // `margin` is added to each side of the patch's bounding rectangle. Patches are drawn slightly larger so
-    // that neighbours overlap; 0.25 px is more than enough for this. Positions and displacements are rounded,
-    // so 1e-6 of them is added, too.
+    // Returns the margin, in px, by which the patch's bounding rectangle is extended on each side along one
+    // axis. 0.25 px is more than enough for the overlap with which neighbouring patches are drawn, and 1e-6
+    // of the positions and displacements is added for rounding.
     const auto margin = [&](double at, float by_x, float by_y) {
         return 0.25 + 1e-6 * (std::abs(at) + shift_px + std::abs(static_cast<double>(by_x)) * farthest_px.x +
                               std::abs(static_cast<double>(by_y)) * farthest_px.y);

@@ -1,6 +1,5 @@
-// Computes a rectangle that contains a patch (planar part of a surface) in each view. A view is the image
-// from one lens point. The rectangle is computed quickly, and excludes patches outside a tile before they are
-// drawn.
+// Computes, for any lens point, a rectangle that contains the image of a patch (planar part of a surface). If
+// the rectangle lies outside the tile (square of the image) that is being drawn, the patch need not be drawn.
 #pragma once
 
 #include <cmath>
@@ -34,11 +33,10 @@ struct PatchReach {
     }
 };
 
-/// Returns the data from which the rectangle that contains the image of a patch (planar part of a surface) is
-/// quickly computed for any lens point.
-/// - `farthest_px`: largest |x| and |y| of the lens points (LensShift::lens_px)
-/// - `shift_px`: largest displacement, over all lens points, of the image of an infinitely distant point. It
-///   makes the rectangle slightly larger, because positions are rounded.
+/// Prepares PatchReach::bounds, which computes a rectangle that contains the image of the patch (planar part
+/// of a surface) for a given lens point.
+/// - `farthest_px`: largest |x| and |y| of all lens points (LensShift::lens_px)
+/// - `shift_px`: largest displacement, over all lens points, of the image of an infinitely distant point
 [[nodiscard]] PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dvec2& farthest_px,
                                      double shift_px);
 

@@ -79,10 +79,9 @@ void PatchSweep::add_span(const PatchMesh& mesh, const Patch& patch, std::size_t
     }
     const double x = std::max(std::abs(first.x_min - last.x_min), std::abs(first.x_max - last.x_max)),
                  y = std::max(std::abs(first.y_min - last.y_min), std::abs(first.y_max - last.y_max));
-    // `first` and `last` are the bounding rectangles of the patch's image at the first and last instant of a
-    // span of time. Between them, the image may move on a curve, which is not computed. `away` is the
-    // distance between the two rectangles' corners. The curve is assumed to deviate from the straight line by
-    // at most this distance.
+    // `first` and `last` are the bounding rectangles of the patch's image at the beginning and the end of a
+    // span of time. Between these instants, the image may move on a curve. The curve is assumed to deviate
+    // from the straight line by at most `away`, the distance that the corners move.
     const double away = glm::length(glm::dvec2(x, y));
     out.add({std::min(first.x_min, last.x_min) - away, std::max(first.x_max, last.x_max) + away,
              std::min(first.y_min, last.y_min) - away, std::max(first.y_max, last.y_max) + away});

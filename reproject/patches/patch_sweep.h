@@ -10,20 +10,20 @@
 
 namespace postlens {
 
-/// Returns the number of the group of objects with which a patch (planar part of a surface) moves. Objects
-/// with the same motion form a group. A patch that is seen by reflection or transmission is assumed to move
-/// with its mirror or glass, and not with the object that it shows.
+/// Returns the number of the group of objects with which a patch (planar part of a surface) moves. A patch
+/// that is seen by reflection or transmission is assumed to move with its mirror or glass.
 [[nodiscard]] std::size_t motion_class_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch);
 
-/// Computes a rectangle that contains the image of a patch (planar part of a surface) in all views of an
-/// image. The views differ by their lens points and their instants. From the rectangle follows which tiles of
-/// the image can show the patch.
+/// Computes a rectangle that contains the image of a patch (planar part of a surface) in all views (images
+/// for one lens point and instant). Only the tiles (squares) of the image that the rectangle touches need to
+/// draw the patch.
 class PatchSweep {
   public:
     /// Keeps a reference to `field`.
     explicit PatchSweep(const PatchField& field);
-    /// Returns the rectangle, in raster px, that contains the patch in all views that use the recorded
-    /// instant number `instant`. It is empty if no view uses this instant.
+    /// Returns a rectangle, in raster px, that contains the image of `patch` (planar part of a surface) for
+    /// all lens points and instants. Only images made from the records of the instant number `instant` count.
+    /// The rectangle is empty if there are none.
     [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
 
   private:

@@ -14,22 +14,23 @@ namespace {
 /// blur radius, i.e. the radius of its circle of confusion. The more a surface is blurred, the less a wrong
 /// position is visible.
 constexpr double exact_share = 0.02;
-/// Largest amount by which depth tests treat a hidden surface as farther away, as a fraction of its inverse
-/// depth. They do so because a hidden surface closely behind another surface could show through it, since
-/// both depths have errors.
+/// A hidden surface closely behind another surface could show through it, because the depths of both surfaces
+/// have errors. Therefore, depth tests reduce the inverse depth of the hidden surface, so that it counts as
+/// farther away. This is the largest reduction, as a fraction of the inverse depth.
 constexpr double most_back = 0.02;
-/// A surface whose circle of confusion has at least this radius, in px, is drawn in a single colour per
-/// recorded pixel, without finer detail. If the circle is distorted to an ellipse, the smaller semi-axis
+/// A surface is drawn without fine detail, with a single colour in each recorded pixel, if its circle of
+/// confusion has at least this radius, in px. If the circle is distorted to an ellipse, the smaller semi-axis
 /// counts.
 constexpr double coarse_from_px = 6;
 
-/// A surface stores, for each of its pixels, `values` linear functions of the position: the inverse depth
-/// and, for reflections and refractions, the four entries of the matrix W. This class fits one such group of
-/// functions to several pixels by least squares. The fitted values are those at four points of each pixel,
-/// which lie +-1/4 px from its centre in x and y.
+/// Fits linear functions of the position to several pixels of a surface by least squares. A pixel stores
+/// `values` such functions: the inverse depth and, for reflections and refractions, the four entries of the
+/// matrix W, which tells how far the image moves with the lens point.
 template <std::size_t values>
 class Fit {
   public:
+    /// Adds the values of pixel (x, y) at four points, +-1/4 px from its centre in x and y, so that the
+    /// slopes of its functions `planes` count too.
     void add(int x, int y, const CellPlane* planes) {
         const double px = x + 0.5, py = y + 0.5;
         n_ += 1;
@@ -56,12 +57,13 @@ class Fit {
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
-    /// Returns how well the fit represents pixel (x, y). `planes` holds the linear functions that the pixel
-    /// stores. They are compared with the fitted functions at the four points of the fit, and the largest
-    /// difference is returned, in 1/m. Compares only values that determine positions: W (motion of the image
-    /// with the lens point) if it is stored, otherwise the inverse depth.
+    /// Returns how well this fit represents pixel (x, y): the largest difference, in 1/m, between the fitted
+    /// functions and the pixel's own functions `planes`. They are compared at four points, +-1/4 px from the
+    /// pixel's centre.
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
+        // Only functions that determine image positions are compared: the matrix W (motion of the image with
+        // the lens point) if it is stored, otherwise the inverse depth.
         for (std::size_t i = first_moving; i < values; ++i) {
             const double middle = static_cast<double>(planes[i].value) - at(i, x + 0.5, y + 0.5),
                          across = static_cast<double>(planes[i].x) - plane_[i][1],
@@ -111,8 +113,8 @@ class Cutter {
         return s.first_cell + static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) +
                static_cast<std::size_t>(x);
     }
-    /// Calls `visit` for each pixel of a rectangle in which the current surface is present. If `visit`
-    /// returns false, stops and returns false; otherwise returns true.
+    /// Calls `visit` for those pixels of a rectangle that show the surface `sheet_`, which is being divided.
+    /// If `visit` returns false, stops and returns false. Otherwise, returns true.
     template <typename Visit>
     bool each_cell(int x0, int y0, int width, int height, const Visit& visit) const {
         for (int y = y0; y < y0 + height; ++y) {
@@ -167,9 +169,9 @@ class Cutter {
 
     [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
                                          const Fit<values>& fit) const {
-        // Distortion by motion is computed only for directly visible surfaces. These are recognised by their
-        // number of stored linear functions: `values` is 1 for a directly visible surface (inverse depth),
-        // and 5 for a surface in a mirror or glass (inverse depth and the four entries of W).
+        // Effects of motion are computed only for directly visible surfaces. These store one linear function
+        // for each pixel, the inverse depth. Surfaces in mirrors or glass store five, because the four
+        // entries of W (the motion of the image with the lens point) are added.
         if (values != 1 || !lens_.motion) return {};
         const Sheet& s = sheets_.sheets[sheet_];
         const glm::dvec2 half(width / 2.0, height / 2.0);
@@ -191,10 +193,9 @@ class Cutter {
         each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
             divided = divided || (roots[k] & SheetNode::leaf) == 0;
             if constexpr (values == 5) {
-                // `bend` is the error of the assumption that the image moves linearly with the lens point. It
-                // may be infinite. Its product with `bend_px_m2` is NaN if `bend_px_m2` is 0, as for a
-                // pinhole. A comparison with NaN is false, so the negated comparison sets `p.bent`, as for a
-                // large error.
+                // Sets `p.bent` if the patch's image may be reprojected with too large an error. `bend_px_m2`
+                // converts this error, `bend`, to px at the rim of the lens. For a pinhole, the product may
+                // be NaN (0 times infinity), which sets `p.bent` too, because the comparison is negated.
                 const auto bend = static_cast<double>(sheets_.bends[k]);
                 p.bent = p.bent || !(lens_.bend_px_m2 * bend <= most_bend_px);
             }
@@ -204,10 +205,9 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // This patch lies behind another surface. `within`, in 1/m, is the largest error of a patch's
-            // inverse depth. Because both surfaces may have this error, the hidden patch could show through
-            // the surface in front. Therefore, depth tests treat the hidden patch as farther away by 2 *
-            // within. With a small aperture, `within` is huge, so this amount is limited to `most`.
+            // This patch (part of a surface) lies closely behind another surface. The inverse depth of both
+            // may be wrong by `within`, in 1/m, so the hidden patch could show through. Therefore, depth
+            // tests reduce its inverse depth by 2 * within, but at most by `most`.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
         }
@@ -233,10 +233,9 @@ PatchLens patch_lens(const FocusGeometry& geometry) {
 }
 
 double PatchLens::least_blur_px(const Mat2& w) const {
-    // The 2x2 matrix W (`w`) describes how the surface point's image moves with the lens point. For a lens
-    // focused at the distance s, the image on the film moves by (I / s - w) q if the lens point moves by q; I
-    // is the unit matrix. So all points of a circular lens together blur the point to an ellipse. The smaller
-    // singular value of I / s - w gives its smaller semi-axis.
+    // The 2x2 matrix W (`w`) describes how the surface point's image moves with the lens point. A lens
+    // focused at the distance s blurs the point to an ellipse. The smaller singular value of I / s - w gives
+    // its smaller semi-axis, where I is the unit matrix.
     const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
                  c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
     // std::hypot would be slower, and this code runs for every pixel of every surface. Overflow cannot happen
@@ -327,8 +326,8 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
 
 namespace {
 
-/// Returns the inverse depth of a rectangular part of a patch, as a linear function: value at the part's
-/// corner, slope along x, slope along y.
+/// Returns the inverse depth of `part`, a rectangular part of the patch `whole`. It is a linear function of
+/// the position on the raster: value at the part's corner, in 1/m, and slopes along x and y, per px.
 glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& part) {
     const CellPlane& plane = mesh.planes[whole.first_plane];
     const glm::dvec2 slope(plane.x, plane.y);
@@ -373,10 +372,9 @@ struct Nearer {
                      low = z.x + std::min(across, 0.0) + std::min(down, 0.0),
                      high = z.x + std::max(across, 0.0) + std::max(down, 0.0);
         if (high <= nearest_per_m) return;
-        // Rays from the bright point through this part of a surface project the part onto the pixels. The
-        // projection magnifies infinitely at the depth of the bright point, and is far from linear near this
-        // depth. But a part is projected by a linear map. Therefore, a part is divided unless, at all of its
-        // points, the difference in inverse depth from the bright point is equal within a factor of 2.
+        // This part of a surface blocks the rays from a bright point to some pixels. The map from the part to
+        // these pixels is approximated as linear. Therefore, the part is divided if its difference in inverse
+        // depth to the bright point varies by more than a factor of 2.
         const bool is_cell = part.width == 1 && part.height == 1;
         if (is_cell || high - light_per_m <= 2 * (low - light_per_m)) {
             PlacedPatch placed{part, {}};

@@ -16,9 +16,9 @@
 
 namespace postlens {
 
-/// Largest effects of motion during the exposure on the image of a patch (planar part of a surface). `px_m`
-/// tells how far the image is displaced per error of the patch's inverse depth, in px m. `bend_px`
-/// tells how far, in px, the motion deviates from the affine map that reprojects the patch.
+/// Largest effects of motion during the exposure on the image of a patch (planar part of a surface).
+/// - `px_m`: displacement of the image, in px, caused by an error of 1 1/m in the patch's inverse depth
+/// - `bend_px`: largest error, in px, of the affine map that reprojects the patch
 struct MotionStrain {
     double px_m = 0;     ///< RasterTangent::by_depth
     double bend_px = 0;  ///< RasterTangent::bend_px
@@ -29,10 +29,9 @@ struct PatchLens {
     double radius_px_m = 0;  ///< CoC radius, px, per 1/m of defocus
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
-    /// Seen from another lens point, the image in a mirror or glass (a reflection or refraction) moves
-    /// differently from the mirror or glass itself. If the difference, over all lens points, is at most this
-    /// many px, the image is drawn as if it were painted on the mirror or glass. If the value is negative,
-    /// this is never done.
+    /// When the lens point changes, a reflection or refraction shifts in the image by another amount than its
+    /// mirror or glass. If the two shifts differ by at most this many px for all lens points, the reflection
+    /// is drawn as if painted on the mirror. A negative value prevents this.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
     /// Largest error of position, in px, that a pixel may have when it is reprojected to another lens point
@@ -41,8 +40,9 @@ struct PatchLens {
     double exact_px = 0.1;
     /// Each patch is drawn this many px larger on every side, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
-    /// Returns the largest effects of motion on the image of a part of a surface during the exposure. Empty
-    /// if nothing moves.
+    /// Returns the largest effects of motion during the exposure on the image of a part of a surface.
+    /// Surfaces are divided into parts that are small enough for these effects. The function is empty if
+    /// nothing moves.
     /// - `middle`: centre of the part
     /// - `slope`: gradient of the part's inverse depth, per px
     /// - `reach`: half width and height of the part, in px
@@ -50,16 +50,16 @@ struct PatchLens {
                                const glm::dvec2& reach)>
         motion;
 
-    /// Returns how much the lens blurs a surface point: the radius, in px, of its circle of confusion. A
-    /// curved mirror may distort the circle to an ellipse. Then the smaller semi-axis is returned. `w` is the
-    /// matrix that describes how the point's image moves with the lens point (Record::w).
+    /// Returns how much the lens blurs a surface point: the radius, in px, of its circle of confusion. If a
+    /// curved mirror distorts the circle to an ellipse, it is the smaller semi-axis. `w` is the 2x2 matrix
+    /// that tells how far the point's image moves with the lens point.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
 
-/// Limit for the nonlinear motion of reflections and refractions. When the lens point moves, their images are
-/// assumed to move linearly. If the true motion differs by more than this many px, the reflected or refracted
-/// surface counts as insufficiently recorded (Patch::bent).
+/// Limit for an error of reflections and refractions. Their images are assumed to move linearly with the lens
+/// point. If the true position differs from the assumed one by more than this many px, the surface counts as
+/// insufficiently recorded (Patch::bent).
 inline constexpr double most_bend_px = 0.5;
 
 /// A part of a surface that is reprojected as a plane. It has the pixels [x, x + width) x [y, y + height) of
@@ -86,35 +86,33 @@ struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
-    /// Each patch has one or five linear functions of the position, in px from the patch's corner. The first
-    /// is the inverse depth. The others are the entries xx, xy, yx and yy of the matrix Record::w, which
-    /// describes how the image moves with the lens point. They are stored only for surfaces in mirrors and
-    /// glass.
+    /// Linear functions of the position, in px from a patch's corner. The first of each patch is its inverse
+    /// depth. Patches seen in mirrors or glass have four more: the entries xx, xy, yx and yy of the matrix
+    /// Record::w, which tells how far the image moves with the lens point.
     std::vector<CellPlane> planes;
-    /// For each sheet (part of a surface): whether its reflection and its refraction are drawn as if painted
-    /// on it, because they move almost as it does, instead of as separate surfaces. Each is one bit
-    /// (child_bit), which is set if this is so. The limit is PatchLens::follow_px.
+    /// Each element belongs to one sheet (part of a surface), which may be a mirror or glass. One bit
+    /// (child_bit) is set if the sheet's reflection is drawn as if painted on the sheet, because it moves
+    /// almost as the sheet does (PatchLens::follow_px). Another bit does the same for the refraction.
     std::vector<std::uint8_t> follows;
 
-    /// The recorded colour number `texel` may belong to a mirror or glass. Returns one bit (child_bit) each
-    /// for its reflection and its refraction. The bit is set if it is drawn as a separate surface, because
-    /// its image moves differently from the mirror or glass.
+    /// Returns which children of the recorded colour number `texel` are drawn as separate surfaces. The
+    /// children of a mirror or glass are its reflection and its refraction. The result has one bit
+    /// (child_bit) for each child, which is set for those drawn separately.
     [[nodiscard]] std::uint8_t drawn_children(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::uint8_t children = t.children();
         return children == 0 ? children : static_cast<std::uint8_t>(children & ~follows[t.sheet()]);
     }
     /// Returns whether the recorded colour number `texel` is uncertain, because an edge crosses its quadtree
-    /// cell. The edge may also lie in a reflection or refraction. It counts only if this is drawn as if
-    /// painted on the surface, because otherwise the reflection or refraction is a separate surface with its
-    /// own colours.
+    /// cell. An edge in a reflection or refraction counts only if the reflection or refraction is drawn as if
+    /// painted on the surface.
     [[nodiscard]] bool unsure(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
     }
-    /// `texel` is the number of a recorded colour of a mirror or glass. Its reflection and refraction may
-    /// move so similarly to the mirror or glass that they are drawn with it, as if painted on it, instead of
-    /// as separate surfaces. Returns the radiance of those for which this is so.
+    /// Returns the radiance of the reflection and refraction that must be added to the recorded colour number
+    /// `texel`. They are included if they move almost as the mirror or glass itself does, because they are
+    /// then drawn as if painted on it.
     [[nodiscard]] std::array<float, 3> following(std::uint32_t texel) const {
         std::array<float, 3> rgb{};
         const Texel& t = sheets->texels[texel];
@@ -126,9 +124,9 @@ struct PatchMesh {
         }
         return rgb;
     }
-    /// Returns the radiance of the recorded colour number `texel`. It includes the reflections and
-    /// refractions that are drawn as if painted on the surface. Those that are drawn as separate surfaces are
-    /// not included.
+    /// Returns the radiance of the recorded colour number `texel`. Reflections and refractions that move with
+    /// the surface are drawn as if painted on it, so their radiance is included. Those that move differently
+    /// are drawn as separate surfaces, so their radiance is not included.
     [[nodiscard]] glm::vec3 light(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::array<float, 3> more = following(texel);
@@ -162,25 +160,25 @@ struct PatchMesh {
 /// different lens point.
 struct PointRays {
     glm::dvec2 at{0};  ///< the scene point, raster px
-    /// Matrix that gives the lens point through which the ray to a pixel passes. It maps the pixel's offset
-    /// from `at`, in px, to this lens point, in units of LensShift::lens_px (lens point in m times film
-    /// distance / pixel pitch).
+    /// Matrix that gives the lens point through which the ray to a pixel passes. It multiplies the offset, in
+    /// px, from the scene point's position `at` to the pixel. The result is the lens point in the units of
+    /// LensShift::lens_px.
     glm::dmat2 lens_px_per_px{0};
     double inverse_focus_per_m = 0;
 };
 
-/// Computes which pixels a patch (planar part of a surface) hides from a scene point. The rays from this
-/// point to the pixels of its circle of confusion cross the patch. They project it onto the pixels, and `out`
-/// receives this map, linearised at the patch's centre. Returns false if the map is singular.
+/// Computes in which pixels a patch (planar part of a surface) blocks the light of a scene point. Each point
+/// of the patch blocks the ray to one pixel. `out` receives the map from these points to the pixels,
+/// linearised at the patch's centre. Returns false if the map is singular.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
 struct PlacedPatch {
     Patch patch;
     PatchPlace place;
 };
-/// A bright point has the inverse depth `light_per_m`, in 1/m. Finds the parts of a patch (planar part of a
-/// surface) that may hide it, because they are nearer to the camera. A part counts as nearer if its inverse
-/// depth exceeds `nearest_per_m`. This limit must be at least `light_per_m`. Appends these parts to `out`.
+/// Appends to `out` the parts of a patch (planar part of a surface) whose inverse depth, in 1/m, may exceed
+/// `nearest_per_m`, so that they may hide a bright point. `nearest_per_m` must be at least `light_per_m`, the
+/// point's own inverse depth.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 

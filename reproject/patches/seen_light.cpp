@@ -54,7 +54,9 @@ void find_doubtful(std::span<const Texel> texels, const SeenTile& seen, int widt
 POSTLENS_FOR_INSTRUCTION_SET("arch=x86-64-v4")
 void find_doubtful(std::span<const Texel> texels, const SeenTile& seen, int width, int height,
                    std::uint32_t doubts, PixelList& found) {
-    // A gather has indices of 31 bits, here 2 * texel, in units of 8 bytes (half a Texel).
+    // The gather instruction reads values at signed 32-bit offsets. Its largest unit is 8 bytes, so the
+    // offset of a 16-byte Texel is twice its index. With more than 2^30 texels, the offset would overflow, so
+    // the pixels are tested one by one.
     if (texels.empty() || texels.size() > std::size_t{1} << 30U) {
         find_one_by_one(texels, seen, width, height, doubts, found);
         return;

@@ -1,6 +1,6 @@
 // For each pixel of a tile (square of the image): sums the radiance of directly visible surfaces over all
-// views, and finds the pixels whose colour in a view is not certain. A view is the image for one lens point
-// and instant.
+// views (images for one lens point and instant). Also finds the pixels whose colour in a view is uncertain,
+// because the records do not determine which surface is visible there.
 #pragma once
 
 #include <array>
@@ -11,9 +11,8 @@
 
 namespace postlens {
 
-/// Sums over the views (images for one lens point and instant), for each pixel of a tile. Each view has its
-/// own weight. The four values of a pixel are the sums of weight * r, weight * g, weight * b and weight. So
-/// the first three divided by the fourth are the mean colour.
+/// Sums over the views (images for one lens point and instant) in a tile. For each pixel, the first three
+/// values are the sums of weight * colour, and the fourth is the sum of the weights.
 using LightSums = std::array<std::array<double, 4>, SeenTile::pixels>;
 /// A list of pixels of a tile.
 struct PixelList {
@@ -23,16 +22,18 @@ struct PixelList {
     [[nodiscard]] auto end() const { return pixels.begin() + static_cast<std::ptrdiff_t>(count); }
 };
 
-/// Adds the colours of one view (image for one lens point and instant) to `sums`, for the first `width` x
-/// `height` pixels of a tile. `seen` tells which recorded colour of `texels` each pixel shows, and `weight`
-/// is the weight of the view. Lists in `with_children` those pixels that show surfaces with reflections or
-/// refractions, whose light must be added separately.
+/// Adds the colours of one view to `sums`, multiplied by the view's `weight`. This is done for the first
+/// `width` x `height` pixels of a tile. For each of them, `seen` holds the index of its colour in `texels`.
+/// `with_children` lists the pixels of mirrors and glass, whose reflected and refracted light is still
+/// missing.
 void add_seen_light(std::span<const Texel> texels, const SeenTile& seen, int width, int height, double weight,
                     LightSums& sums, PixelList& with_children);
 
-/// Lists those of the first `width` x `height` pixels of a tile whose colour in a view is not certain: they
-/// show no surface, a nearer surface may hide what they show, or their texel has one of the bits `doubts` of
-/// Texel::info.
+/// Lists those of the first `width` x `height` pixels of a tile whose colour in a view is uncertain. A pixel
+/// is listed
+/// - if it shows no surface
+/// - if a nearer surface with an unknown edge may hide the surface that it shows
+/// - if its recorded colour in `texels` has one of the flags `doubts` in Texel::info
 void find_doubtful_pixels(std::span<const Texel> texels, const SeenTile& seen, int width, int height,
                           std::uint32_t doubts, PixelList& found);
 

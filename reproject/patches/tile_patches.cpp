@@ -22,8 +22,9 @@ int tiles(int px) {
 /// Sort key of a patch (part of a surface): first by its sequence of reflections and transmissions, then from
 /// near to far.
 std::uint64_t order_key(const PatchMesh& mesh, const Patch& patch) {
-    // Converts inverse depth to an integer with the same order. Float bits are ordered like values, negative
-    // ones in reverse; adding 0 turns -0 into +0.
+    // Converts the patch's inverse depth to an integer with the same order. The bits of positive floats
+    // ascend with the value, but those of negative floats descend, so the latter are inverted. Adding 0 turns
+    // -0 into +0.
     const auto bits = std::bit_cast<std::uint32_t>(mesh.planes[patch.first_plane].value + 0.0F);
     constexpr std::uint32_t sign = 0x80000000U;
     const std::uint32_t ascending = (bits & sign) != 0 ? ~bits : bits | sign;
@@ -60,9 +61,9 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         [&](std::size_t i) {
             const Patch& p = mesh.patches[i];
             swept[i] = sweep.of(mesh, p, instant);
-            // A patch is a planar part of a surface. `swept` is the area that a patch covers in any view of
-            // the image. If its object moves, the patch may leave the position at which it was recorded and
-            // uncover the background there. Therefore, this recorded position is added to the area.
+            // If the object of a patch (planar part of a surface) moves, the patch also changes the pixels
+            // where it was recorded, because it uncovers what is behind. Therefore, these pixels are added to
+            // `swept`, the area in which the patch may appear.
             PatchPlace recorded;
             if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
                 swept[i].add(covered(p, recorded));

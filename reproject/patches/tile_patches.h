@@ -22,14 +22,17 @@ struct TilePatches {
     std::vector<std::uint32_t> motion_class;
 };
 
-/// Patches (parts of surfaces) seen by the same sequence of bounces: elements [begin, end) of a tile's list.
+/// A group of patches (parts of surfaces) that are seen by the same sequence of reflections and
+/// transmissions, `path`. Each tile (square of the image) has a list of patches, sorted by this sequence. The
+/// group is the range of elements [begin, end) of this list.
 struct PatchChain {
     NodePath path;
     std::size_t begin = 0, end = 0;
 };
 
-/// For each recorded instant: all patches (parts of surfaces) that may appear in a rectangle of a tile, for
-/// any lens point.
+/// The patches (parts of surfaces) that may appear in a rectangular part of a tile, seen from any lens point.
+/// `primary` holds those that are seen directly, and `deeper` those that are seen by reflection or
+/// transmission. Each of these lists has one element for each recorded instant.
 struct GatheredTile {
     std::vector<TilePatches> primary, deeper;     ///< per instant
     std::vector<std::vector<PatchChain>> chains;  ///< for each instant, the chains of `deeper`
@@ -50,23 +53,22 @@ class PatchBins {
     [[nodiscard]] const std::vector<std::uint32_t>& primary(std::size_t instant, std::size_t tile) const {
         return primary_[instant][tile].patches;
     }
-    /// Copies to `out` all directly visible patches (planar parts of surfaces) that any view may show in the
-    /// rectangle `rect` of a tile. Empties the lists of reflected and transmitted patches; gather_chains
-    /// fills them.
+    /// Copies to `out` the directly visible patches (planar parts of surfaces) that may appear in the
+    /// rectangle `rect` of the tile, from any lens point and at any instant. Patches seen by reflection or
+    /// transmission are added by gather_chains.
     void gather(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
-    /// Counts the patches (planar parts of surfaces) that are seen by reflection or transmission and may
-    /// appear in the rectangle `rect` of the tile. The patches of each recorded instant are counted
-    /// separately. Returns whether there are more than `most` for any instant.
+    /// Returns whether more than `most` patches (planar parts of surfaces) seen by reflection or transmission
+    /// may appear in the rectangle `rect` of the tile at any one of the recorded instants.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
-    /// Adds to `out` the patches (planar parts of surfaces) that may be seen in the rectangle `rect` of the
-    /// tile by reflection or transmission. The patches are grouped by the sequence of reflections and
-    /// transmissions by which they are seen. A group may be empty.
+    /// Adds to `out` the patches (planar parts of surfaces) that are seen by reflection or transmission, and
+    /// may appear in the rectangle `rect` of the tile. They are grouped by their sequence of reflections and
+    /// transmissions. A group may be empty.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:
-    /// Lists the patches (planar parts of surfaces) that may appear in one tile of the image, for any lens
-    /// point and instant. For each element of `patches`, the element of `pixels` with the same index gives
-    /// the rectangle of the tile's pixels in which the patch may appear.
+    /// Lists the patches (planar parts of surfaces) that may appear in one tile of the image, from any lens
+    /// point and at any instant. `pixels` has as many elements as `patches`: for each patch, the rectangle of
+    /// pixels of the tile in which the patch may appear.
     struct Bin {
         struct Pixels {
             std::uint8_t x_first, x_last, y_first, y_last;
@@ -81,9 +83,9 @@ class PatchBins {
         std::vector<PatchChain> chains;  ///< runs of `patches`, in ascending order of their paths
     };
     using Bins = std::vector<Bin>;  ///< per tile
-    /// Lists, for each tile, the patches (parts of surfaces) that may appear in it. Mirrors come before the
-    /// surfaces seen in them. Otherwise, near patches come before far ones, so that depth tests reject hidden
-    /// patches early.
+    /// Lists, for each tile, the patches (parts of surfaces) that may appear in it, in the order of drawing.
+    /// Directly visible patches come before those seen in mirrors. Among patches with the same sequence of
+    /// reflections and transmissions, near ones come first.
     [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant, const MotionMarks& marks,
                               const PatchSweep& sweep) const;
     static void begin(const PatchMesh& mesh, TilePatches& out);

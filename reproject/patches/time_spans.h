@@ -1,6 +1,6 @@
-// Groups views into short time spans. A view is the image for one lens point and instant. Moving surfaces
-// have another position in each view. To bound their positions, only the first and the last view of each span
-// are tested, because testing all views would take longer.
+// Groups views (images for one lens point and instant) into short spans of time. The area that a moving
+// surface covers during a span is computed from the first and the last view only. A margin accounts for the
+// motion in between.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,8 @@
 
 namespace postlens {
 
-/// First and last view (image for one lens point and instant) of one time span: 1/64 of the exposure.
+/// One of the 64 spans of time, with equal amounts of light, into which the exposure is divided. `first` and
+/// `last` are the first and the last view in this span. They are equal if the span is a single view.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;
@@ -19,9 +20,10 @@ struct TimeSpanViews {
     ViewUse first, last;
 };
 
-/// Finds the views (images for one lens point and instant) that show moving objects and use the recorded
-/// instant with the index `instant`. Groups those of sets with a ray tracer into short time spans. Each other
-/// view is a span of its own. The result points into `field`, so `field` must outlive it.
+/// Groups views (images for one lens point and instant) into short spans of time. A view of a set without a
+/// ray tracer (PatchViews::rays) is a span of its own. Only views that show moving objects and use the
+/// records of the instant number `instant` are included. The result points into `field`, so `field` must
+/// outlive it.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

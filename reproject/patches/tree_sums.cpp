@@ -8,10 +8,9 @@
 namespace postlens {
 namespace {
 
-/// Each view (image for one lens point and instant) has a weight. If some views lack a reflected surface in a
-/// pixel, the mean of the views that show the surface replaces it there. But if the views that show the
-/// surface have less than this fraction of the weight of all views that need it, their mean is unreliable.
-/// Therefore, the radiance recorded for the pinhole is then blended into it.
+/// Smallest fraction of views (images for one lens point and instant), by weight, that must show a reflected
+/// surface so that their mean is reliable. Only views that need the surface are counted. If fewer views show
+/// it, the mean is mixed with the pinhole's radiance.
 constexpr double enough_known = 0.25;
 
 }  // namespace

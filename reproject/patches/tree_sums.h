@@ -31,39 +31,40 @@ class TreeSums {
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
-    /// Begins a view (image for one lens point and instant). A view may blend two recorded instants. It is
-    /// drawn once from each of them, so call this function once for each recorded instant that the view uses.
+    /// Begins a view (image for one lens point and instant). If a view blends the records of two instants,
+    /// call this function once for each of them.
+    /// - `primary_mesh`: surfaces that are seen directly
     /// - `deeper_mesh`: surfaces seen by reflection or transmission; may be null
     /// - `primary`: the surface that each pixel shows directly; must stay valid until all pixels are added
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
     /// Prepares to draw the surfaces that are seen by `path`, a sequence of reflections and transmissions.
-    /// Sets `wanted` to the pixels that may show these surfaces. Returns the tile (square of the image) into
-    /// which they must be drawn, or null if no pixel may show them. A mirror must be drawn before the
-    /// surfaces seen in it, so call this function for shorter paths first.
+    /// Sets `wanted` to the pixels that may show them. Returns the tile into which the caller must draw, or
+    /// null if there are no such pixels. Call this for shorter paths first, because a mirror must be drawn
+    /// before the surfaces seen in it.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
-    /// Returns whether the recorded surfaces determine the reflected and refracted light of pixel k. For
-    /// this, all surfaces seen there by reflection or refraction must be recorded, have no edge in the pixel,
-    /// and be reprojected accurately.
+    /// Returns whether the recorded surfaces determine the reflected and refracted light of pixel k. This is
+    /// so if, for each surface that the pixel shows by reflection or refraction, a colour is recorded, no
+    /// edge crosses the recorded colour's cell, and the surface is reprojected accurately.
     [[nodiscard]] bool sure(std::size_t k) const;
-    /// Returns the radiance that reaches the eye through pixel k from surfaces seen by reflection or
-    /// refraction. Those that are drawn as if painted on the directly visible surface are not included. Call
-    /// only if sure(k) is true, because only then do the recorded surfaces determine this light.
+    /// Returns the radiance that reaches the eye through pixel k from those reflections and refractions that
+    /// are drawn as separate surfaces. Call only if sure(k) is true, because otherwise some of these surfaces
+    /// may be missing.
     [[nodiscard]] glm::dvec3 light(std::size_t k) const;
     void add(std::size_t k, double weight);
     /// Call after the last view, before sum_up.
     void end_views();
-    /// Adds the light of reflections and refractions in pixel k to `sum`, which stores the pixel's radiance
-    /// multiplied by `weight`. This is the summed weight of the views whose colour there comes from the
-    /// records, not from rays. Returns the summed weight of the views in which a reflection or refraction is
-    /// missing. If the missing light is darker than the pixel, the view counts with less than its weight.
+    /// Adds the light of reflections and refractions in pixel k to `sum`, which holds the pixel's radiance
+    /// times `weight`. `weight` is the total weight of the views whose colour comes from the records.
+    ///
+    /// Returns the total weight of those views in which a reflection or refraction is missing. It is reduced
+    /// if the missing light is darker than the pixel.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
     struct Sums {
-        /// Sum over all views that show the surface in this pixel: the surface's radiance multiplied by the
-        /// view's weight. Some reflections are drawn as if painted on the surface, because they move almost
-        /// like it. Their radiance is included here. Reflections that are drawn as separate surfaces have
-        /// their own sums.
+        /// Radiance of this reflected or refracted surface times the weight of the view, summed over the
+        /// views that show it in the pixel. Further reflections are included only if they are not drawn as
+        /// separate surfaces.
         std::array<double, 3> seen{};
         std::array<double, 3>
             instead{};  ///< weight times the pinhole's radiance, for views that lack the surface
@@ -94,14 +95,12 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// Pixel k of the current view should show a mirror or glass, `chain`, which is itself seen by reflection
-    /// or transmission. But the recorded surfaces do not show it there. They may still show surfaces that are
-    /// seen in it. This function adds these surfaces to the pixel's sums with the view's weight `weight`, and
-    /// returns whether there are any.
+    /// Call for pixel k of a view if the surface of `chain`, itself a mirror or glass, should appear there
+    /// but is not recorded. Adds the recorded light of the surfaces that are seen in it, times the view's
+    /// `weight`. Returns false if there are none.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// The surface of `chain` is seen by a sequence of reflections and transmissions. Returns the id of the
-    /// mirror or glass in which pixel k shows this surface. If pixel k lacks this mirror or glass, returns
-    /// the id of the object in which the mirror or glass itself would be seen, and so on, up to the directly
+    /// Returns the id of the mirror or glass in which pixel k shows the surface of `chain`. After several
+    /// reflections in succession, it is the last mirror that is recorded in this pixel, or else the directly
     /// visible object.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;

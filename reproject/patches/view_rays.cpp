@@ -5,10 +5,9 @@
 namespace postlens {
 namespace {
 
-/// Maps the point `p`, which a pixel of the view shows, back to the recorded image. Returns the area that the
-/// pixel covers in the recorded image, in px^2. `motion` maps in the opposite direction, from the recorded
-/// image to the view's instant, so its inverse is used. Returns nothing if the mapped point lies outside the
-/// recorded image.
+/// Returns the area, in px^2, that a view's pixel covers in the recorded pinhole image. `p` is the surface
+/// point that the pixel shows. `motion` maps surface points from the recorded instant to the view's instant.
+/// Returns nothing if `p` lies outside the recorded image.
 std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& shown, const RasterPoint& p) {
     const RasterMap moved = through_lens(motion, shown.view.lens);
     const auto at = RasterMap(glm::inverse(moved.matrix()), moved.projection()).tangent(p, {0, 0}, {0, 0});
@@ -19,9 +18,9 @@ std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& sho
     return at->by_x.x * at->by_y.y - at->by_x.y * at->by_y.x;
 }
 
-/// Returns whether the surface that pixel `k` of the view shows directly is certain. This requires that no
-/// edge crosses the recorded quadtree cell from which the pixel's colour is taken, and that no nearer surface
-/// may hide it. A view may use two recorded instants; `u` (0 or 1) selects one of them.
+/// Returns whether the records of instant `u` (0 or 1) determine which surface pixel `k` of the view shows
+/// directly. They do not if an edge crosses the recorded quadtree cell, or if a nearer surface with an
+/// unknown edge may cover the pixel.
 bool sure(const ShownView& shown, std::size_t u, std::size_t k) {
     const std::uint32_t texel = shown.seen[u].texel[k];
     return texel != SeenTile::no_texel && !shown.seen[u].may_be_hidden(k) && !shown.mesh(u).unsure(texel);

@@ -1,5 +1,6 @@
-// A view is the image for one lens point and instant. Selects pixels of single views in which rays are
-// traced. Rays replace uncertain colours, for example at edges, or measure the error of the other colours.
+// Traces rays for single pixels of single views (images for one lens point and instant). Some rays replace
+// recorded colours that are uncertain, for example at edges. Other rays measure the error of the recorded
+// colours that are not replaced.
 #pragma once
 
 #include <algorithm>
@@ -17,9 +18,8 @@
 
 namespace postlens {
 
-/// The surfaces that one view shows in a tile of the image. A view is the image for one lens point and
-/// instant. `seen` tells which surface each pixel of the tile shows. It points to one SeenTile, or to two if
-/// the view blends two recorded instants.
+/// The surfaces that one view (image for one lens point and instant) shows in a tile of the image. `seen`
+/// points to one SeenTile for each of the one or two recorded instants that the view uses.
 struct ShownView {
     const PatchField& field;
     const PatchView& view;
@@ -29,39 +29,39 @@ struct ShownView {
     [[nodiscard]] const PatchMesh& mesh(std::size_t u) const {
         return *field.instants[view.uses[u].instant].primary;
     }
-    /// Returns the id of the object that pixel `k` of the view shows. A view may blend two recorded instants,
-    /// which may show different objects in the pixel. `u` (0 or 1) selects one of these instants.
+    /// Returns the id of the object that pixel `k` of the view shows according to one recorded instant. A
+    /// view may be blended from two recorded instants, between which its own instant lies. `u` (0 or 1)
+    /// selects one of these two.
     [[nodiscard]] std::uint32_t id(std::size_t u, std::size_t k) const {
         return mesh(u).id_of(seen[u].texel[k]);
     }
-    /// A view may blend the colours from two recorded instants. Returns the weight, 0 to 1, of the colour
-    /// from instant `u` (0 or 1) in pixel `k`. If both instants show the same surface there, the weight is
-    /// Use::share. If the other instant shows no surface, it is 1. Of two different surfaces, only the nearer
-    /// one counts, or only the farther one if has_vague_outline is true for the nearer one, whose outline may
-    /// then be wrong.
+    /// Returns the weight, 0 to 1, of the colour from the recorded instant `u` (0 or 1) in pixel `k`:
+    /// - If only instant `u` shows a surface there, the weight is 1.
+    /// - If both instants show the same surface, the weight is Use::share.
+    /// - If they show different surfaces, one has the weight 1 and the other 0.
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;
         const float mine = seen[u].inverse_z[k], other = seen[o].inverse_z[k];
         if (id(u, k) == id(o, k) && std::abs(mine - other) <= same_depth * std::max(mine, other))
             return view.uses[u].share;
+        // The nearer surface has the weight 1, unless its outline is imprecise.
         const std::size_t nearer = mine > other || (mine == other && u == 0) ? u : o;
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
-    /// Returns whether the recorded instant `u` (0 or 1) has the less precise outline of the object in pixel
-    /// `k`. This matters if a view blends two recorded instants that show different surfaces in the pixel.
-    /// The outline is less precise at the instant at which the object appears smaller, because fewer samples
-    /// then recorded it.
+    /// Returns whether the outline of the object in pixel `k` is less precise in the records of instant `u`
+    /// (0 or 1) than in those of the other instant. An object that is smaller in the image is recorded by
+    /// fewer samples, so its outline is less precise.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
-    /// Returns whether light through the lens point reaches pixel (x, y) of the tile. Otherwise, vignetting
-    /// blocks it.
+    /// Returns whether light through the view's lens point reaches pixel (x, y) of the tile. Otherwise,
+    /// vignetting blocks it.
     [[nodiscard]] bool passes(int x, int y) const {
         return !view.passes || view.passes(at.x - field.x + x, at.y - field.y + y);
     }
-    /// Adds to `lines` the ray through pixel (x, y) of the tile. The new element is created in the list
-    /// first, and its members are then written in place. If the element were built outside the list and then
-    /// copied, the copy would read values just written, which stalls the processor.
+    /// Adds to `lines` the ray through pixel (x, y) of the tile.
     void add_line(int x, int y, std::vector<SightLine>& lines) const {
+        // The element is written in the list itself. If it were built elsewhere and copied, the copy would
+        // wait until the values just written can be read.
         SightLine& line = lines.emplace_back();
         line.x = at.x + x;
         line.y = at.y + y;
@@ -72,12 +72,13 @@ struct ShownView {
         line.view = view.number;
     }
 
-    /// A pixel shows the same surface at two recorded instants if the ids are equal and the inverse depths
-    /// differ by at most this fraction.
+    /// Decides whether a pixel shows the same surface at two recorded instants. This is so if the object ids
+    /// are equal, and if the two inverse depths differ by at most this fraction of the larger one.
     static constexpr float same_depth = 0.02F;
 };
 
-/// Number of rays that are traced in one batch: enough for efficiency, and few enough for the caches.
+/// Number of rays (`lines`) that are traced in one batch. A batch must be large for efficiency, but the data
+/// of its rays must fit into the processor's caches.
 inline constexpr std::size_t lines_together = 4096;
 
 /// The samples of views that rays replace in a tile.
@@ -85,26 +86,24 @@ class RaySamples {
   public:
     LeftToRays left = LeftToRays::unsure;  ///< what rays replace in the tile
     bool parents_too = false;  ///< whether the samples of surfaces that reflect or transmit are rays
-    /// Statistics about view samples, i.e. about what single views show in single pixels. `with_trees` counts
-    /// the samples that show a mirror or glass. `with_sure_trees` counts those among them that need no ray,
-    /// because all their reflections and refractions are recorded accurately.
+    /// Numbers of view samples (what a single view shows in a single pixel) that show a mirror or glass with
+    /// separately drawn reflections or refractions. `with_sure_trees` counts only those that need no ray,
+    /// because all these reflections and refractions are recorded accurately.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};  ///< of the traced radiance
-    /// For each pixel: bits that tell which colours are replaced by a ray. A view's colour comes from one
-    /// recorded instant or is blended from two, instants 0 and 1. If bit 0 is set, a ray replaces the colour
-    /// from instant 0. Bit 1 does the same for instant 1.
+    /// For each pixel: bits that tell which colours of the current view are replaced by a ray. A view blends
+    /// the colours of at most two recorded instants. Bit 0 stands for the first of them, and bit 1 for the
+    /// second.
     std::array<std::uint8_t, SeenTile::pixels> uses{};
 
-    /// Schedules a ray for each pixel in which the directly visible surface is uncertain, for example because
-    /// an edge crosses it. If objects move, also schedules a ray for each pixel that shows a mirror or glass,
-    /// because a reflection moves differently from its mirror. With `parents_too`, mirrors and glass get rays
-    /// in any case, and if rays replace the whole tile, all pixels get one. The scheduled rays replace the
-    /// recorded colours of these pixels.
+    /// Schedules rays for pixels of the tile, and removes these pixels' recorded colours. A pixel gets a ray
+    /// - if the directly visible surface is uncertain, for example because an edge crosses it
+    /// - if it shows a mirror or glass, and objects move or `parents_too` is true
+    /// - if rays replace the whole tile (whole_tile)
     void set_aside(const ShownView& shown, LightSums& recorded);
     /// Schedules a ray for each pixel that shows a mirror or glass whose reflections or refractions are
-    /// missing or inaccurate. The ray replaces the recorded colour. `trees` holds the reflections and
-    /// refractions as they were recorded at the view's instant `u`, which is 0 or 1 because a view may blend
-    /// two recorded instants.
+    /// missing or inaccurate. `trees` holds the reflections and refractions recorded at the view's instant
+    /// `u` (0 or 1).
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
     /// Returns whether rays replace all samples of views in the tile.
     [[nodiscard]] bool whole_tile() const { return left != LeftToRays::unsure; }
@@ -124,19 +123,17 @@ class RaySamples {
     std::vector<std::array<float, 3>> radiance_;
 };
 
-/// Measures the error of recorded colours by tracing rays (check rays) in selected pixels. Each check ray
-/// goes through the lens point of one view at the view's instant, and its radiance is compared with the
-/// colour that the view shows in the pixel. The rays do not change the image.
+/// Measures the error of recorded colours by tracing check rays in selected pixels. The radiance of each
+/// check ray is compared with the colour that one view shows in the pixel. The rays do not change the image.
 class CheckedSamples {
   public:
     std::vector<PixelCheck> sums;  ///< per pixel
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
-    /// Stores the colours of a view (image for one lens point and instant), so that `check` can compare them
-    /// with rays later. Only pixels that the function PatchViews::checked selects for this view are stored. A
-    /// view may be made from two recorded instants; call this function once for each of them.
+    /// Stores the colours of a view in the pixels that PatchViews::checked selects for this view. Call it
+    /// once for each recorded instant that the view uses.
     /// - `number`: index of the view in PatchViews::views
-    /// - `u`: which of the view's recorded instants, 0 or 1
+    /// - `u`: index of the recorded instant, 0 or 1
     /// - `trees`: reflections and refractions; null if none are drawn
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);

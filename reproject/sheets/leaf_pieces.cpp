@@ -63,8 +63,9 @@ void LeafPieces::add_leaf(std::uint32_t index, int cell) {
         add_group(keys_.of_node[begin[0]], begin, x, y, cell, index);
         return;
     }
-    // The ray through a corner of this quadtree cell may hit the same surface several times. Group n consists
-    // of each corner's n-th nearest hit.
+    // The rays through the four corners of this quadtree cell may hit the same surface several times, for
+    // example its front and its back. For each surface, the nearest hits of the four rays form one group, the
+    // second nearest hits form another group, and so on.
     groups_.clear();
     for (std::size_t k = 0; k < 4; ++k) {
         for (std::uint32_t i = begin[k]; i < trees_.offsets[leaf.corner[k] + 1]; ++i) {

@@ -22,21 +22,23 @@ struct SheetSquare {
     int x = 0, y = 0;  ///< raster px
 };
 
-/// A quadtree cell that shows one surface, or a quarter of a cell that shows several.
+/// A part of a raster pixel that shows one surface. It is a whole quadtree cell if the rays through the
+/// cell's four corners hit the same surface. Otherwise, it is a quarter of the cell.
 struct LeafPiece {
     std::uint32_t key = 0;   ///< index into SheetKeys::keys
     std::uint32_t leaf = 0;  ///< index into PixelLeaves::leaves
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    /// Number of ray hits on the surface that are listed in `node`. It is 4 if the rays through all corners
-    /// of this piece (a quadtree cell) hit the surface. It is 1 if the piece is only a quarter of a cell. The
-    /// single ray then passes through (at_x, at_y), in px from the pixel's corner.
+    /// Number of recorded ray hits on which this part of a pixel is based: 4 for a whole quadtree cell, and 1
+    /// for a quarter of a cell. In the latter case, the ray passes through (at_x, at_y), in px from the
+    /// pixel's corner.
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
-    /// True if this piece is a quarter of a cell that an edge crosses, so that the surface may be absent from
-    /// a part or the whole of the piece.
+    /// True if this piece is a quarter of a quadtree cell, and an edge of the surface crosses the cell. The
+    /// exact course of the edge is unknown, so the surface may be absent from a part of the piece or from the
+    /// whole piece.
     bool maybe = false;
 };
 
@@ -51,9 +53,9 @@ class LeafPieces {
     /// Replaces the pieces by the pieces of a square.
     void collect(const SheetSquare& square);
     /// Calls take(key, pieces) once for each surface in the square of the raster that was passed to
-    /// `collect`. `key` is the surface's index in SheetKeys, and the calls are in ascending order of it.
-    /// `pieces` are the quadtree cells, or quarters of cells, that show the surface. Call this function once
-    /// after each `collect`, because it resets the counts of pieces.
+    /// `collect`. `key` is the index of the surface in SheetKeys::keys; the calls are in ascending order of
+    /// it. `pieces` are the quadtree cells, or quarters of cells, that show it. Call this function only once
+    /// after each `collect`.
     template <typename Take>
     void each_surface(const Take& take) {
         std::uint32_t begin = 0;
@@ -102,9 +104,8 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// Lists with one value for each surface (key). `key_pieces_` first counts the surface's elements in
-    /// `pieces_`. Then sort_pieces copies the pieces to `sorted_`, grouped by surface, and replaces the count
-    /// by the index in `sorted_` at which the surface's pieces end. `key_group_` holds the index of the
+    /// For each surface: `key_pieces_` counts its pieces, i.e. the quadtree cells (or quarters of cells) that
+    /// show it. Later, it tells where the surface's pieces end in `sorted_`. `key_group_` is the index of the
     /// surface's first element in `groups_`.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;

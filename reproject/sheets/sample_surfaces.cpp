@@ -7,14 +7,13 @@ namespace postlens {
 namespace {
 
 /// Two neighbouring ray hits count as points of one surface only if the line between them has at most this
-/// slope against the film (tangent of the angle). The limit must be so high that a curved surface rarely
-/// exceeds it. For example, a sphere with a radius of 1600 px is steeper only within 0.5 px of its outline.
+/// slope against the film (tangent of the angle). Curved surfaces rarely exceed it: a sphere with a radius of
+/// 1600 px is steeper only within 0.5 px of its outline.
 constexpr double steepest_slope = 40;
 
-/// Combines the records [first, last) of one eye ray into the surface `out`. They belong to one layer: 0 for
-/// the visible surface, 1 or more for a hidden one. The first record should be the ray's direct hit. The
-/// others are reflections and refractions seen there. The radiance of `out` is the sum over all of them.
-/// Returns false if the direct hit is not recorded.
+/// Combines the records [first, last) of one eye ray into the surface `out`. The first record should be the
+/// ray's direct hit. The others are the reflections and refractions seen at this hit. The radiance of `out`
+/// is the sum over all of them. Returns false if the direct hit was not recorded.
 bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
     const Record& primary = *first;
     const bool known = primary.path.bits() == 0;
@@ -35,10 +34,9 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // `near` and `far` are the inverse depths of the hits of two rays, in 1/m. The rays are `across` apart at
-    // depth 1 m. Their distance grows with the depth, so it is across / far at the farther hit. The depths
-    // differ by 1 / far - 1 / near. The slope is this difference divided by the distance: (near - far) / near
-    // / across.
+    // `near` and `far` are the inverse depths of the two hits, in 1/m. The depths differ by 1 / far - 1 /
+    // near. For a perspective camera, the distance between the rays at the farther hit is across / far. So
+    // the slope is (near - far) / near / across.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
@@ -51,10 +49,9 @@ double across_per_px(const SampleHeader& h) {
 
 namespace {
 
-/// Each eye ray may hit a visible surface and others hidden behind it. For each of these surfaces, calls
-/// take(visible, first, last). `first` and `last` delimit the surface's records [first, last): its own and
-/// those of its reflections and refractions. `visible` points to the first record of the ray's visible
-/// surface. After the last surface of a ray, calls done().
+/// Calls take(visible, first, last) for each surface that an eye ray hits, visible or hidden behind others.
+/// The records [first, last) are those of the surface and of its reflections and refractions. `visible` is
+/// the first record of the ray's visible surface. Calls done() after each ray.
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {
@@ -68,10 +65,9 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     const Record* records = band.records.data();
     for (std::size_t k = 0; k < pixels; ++k) {
         const std::uint32_t begin = points.offsets[k], end = points.offsets[k + 1];
-        // The records of a pixel are sorted by their layer, which is 0 for visible surfaces and 1 or more for
-        // hidden ones. Within a layer, they are sorted by the raster position of their eye ray in the pixel,
-        // first by y and then by x. The records of one ray are therefore not adjacent if they belong to
-        // several layers.
+        // The records of one eye ray may lie at several positions of the pixel's list, because the list is
+        // sorted by layer first: 0 for visible surfaces, 1 or more for hidden ones. Within a layer, it is
+        // sorted by the raster position of the ray.
         const PointSample& last = points.samples[end - 1];
         const Record* r = records + last.first_record + last.record_count;
         const Record* pixel_end = records + band.offsets[first_pixel + k + 1];
@@ -101,9 +97,9 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     }
 }
 
-/// Returns the record of the surface that an eye ray sees by `path`, a sequence of reflections and
-/// transmissions. Returns null if this surface is not recorded. The records [first, last) of the ray must be
-/// sorted by their paths.
+/// Finds one hit among the records [first, last) of an eye ray: the surface that the ray reaches by `path`, a
+/// sequence of reflections and transmissions. Returns its record, or null if this surface is not recorded.
+/// The records must be sorted by their paths.
 const Record* node_at(const Record* first, const Record* last, NodePath path) {
     const Record* found = std::lower_bound(
         first, last, path, [](const Record& r, NodePath p) { return r.path.bits() < p.bits(); });
@@ -139,9 +135,8 @@ void find_parents(const Record* first, const Record* last, std::vector<std::uint
     }
 }
 
-/// Returns the 2x2 matrix W of a recorded surface point, in 1/m. It describes how far the point's image on
-/// the raster moves when the lens point moves. For a point seen directly, W is the unit matrix divided by the
-/// point's depth. For a point seen by reflection or refraction, it is stored in the record.
+/// Returns the 2x2 matrix W of a recorded surface point, in 1/m, which tells how far the point's image moves
+/// with the lens point. For a point seen directly, W is the unit matrix divided by the depth.
 Mat2 w_of(const Record& r) {
     return r.path.bits() == 0 ? Mat2::isotropic(std::isinf(r.z) ? 0.0F : 1 / r.z) : r.w;
 }
@@ -179,8 +174,8 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
         trees->offsets.assign(1, 0);
         trees->any_below = false;
     }
-    // All memory is reserved at once, because growing the lists step by step would need several times as
-    // much.
+    // Reserves all memory of the lists `primary.nodes` and `deeper.nodes` at once. If they grew step by step,
+    // each step would need memory for the old and the new list at the same time.
     const std::size_t first_pixel = band.pixel(band.x_begin, y_begin);
     const std::size_t most =
         band.offsets[first_pixel + points.offsets.size() - 1] - band.offsets[first_pixel];
@@ -225,9 +220,9 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
                 }
                 const Record* seen_in = parents[i] != i ? first + parents[i] : nullptr;
                 if (seen_in == nullptr && !own_tree) {
-                    // Finds the end of the records of this eye ray's visible surface with its reflections and
-                    // refractions: the first record that belongs to another ray, that is, to another position
-                    // (x, y), or to a hidden layer.
+                    // `seen_in`, the mirror or glass in which this surface is seen, may be recorded with the
+                    // ray's visible surface. The records of the visible surface begin at `visible`. They end
+                    // at the first record of another ray or of a hidden layer.
                     const Record* end = visible;
                     while (end != first && end->layer == 0 && end->x == first->x && end->y == first->y) ++end;
                     seen_in = node_at(visible, end, r.path.parent());

@@ -29,18 +29,17 @@ struct TreeSurface {
     Mat2 w;                       ///< 1/m
     float bend = 0;               ///< Record::w_bend
     std::uint8_t mark = 0;        ///< Record::mark
-    /// Flags (Record::mark) of the surfaces that are seen in this surface, combined by OR. For example, a
-    /// flag tells that a texture is finer than the samples. The element 0 is for surfaces seen by reflection,
-    /// and the element 1 for those seen by transmission.
+    /// Flags (Record::mark) of all surfaces that are seen in this one by reflection ([0]) or transmission
+    /// ([1]), combined by bitwise OR. For example, one flag tells that a texture is finer than the samples.
     std::array<std::uint8_t, 2> marks_below{};
     /// RGB radiance that this surface sends to the eye by reflection ([0]) and by transmission ([1]). It
-    /// includes all light that reaches the surface on these two ways, also after further reflections and
-    /// refractions.
+    /// contains the light of the surfaces seen directly in this surface, and of those seen in it by further
+    /// reflections and refractions.
     std::array<std::array<float, 3>, 2> below{};
-    /// The matrix W describes how an image moves with the lens point. Each element is the largest difference,
-    /// in 1/m, between this surface's W and the W of what is seen in it: by reflection ([0]) or transmission
-    /// ([1]). If the difference is small, the reflection can be drawn as if painted on the surface. Infinity
-    /// if it is too bright for this.
+    /// Largest difference, in 1/m, between the matrix W of this surface and that of what is seen in it by
+    /// reflection ([0]) or transmission ([1]). W tells how an image moves with the lens point. If the
+    /// difference is small, the reflection may be drawn as if painted on the surface. Infinity if it is too
+    /// bright for this.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
@@ -48,14 +47,15 @@ struct TreeSurface {
 }
 
 /// Returns whether two neighbouring eye rays may hit one continuous surface. This is assumed if the line
-/// between their hits has at most the slope 40 against the film, an angle of 88.6 degrees.
+/// between the two hits is inclined by at most 88.6 degrees to the film, that is, if the difference of the
+/// depths is at most 40 times the distance between the rays.
 /// - `low_inverse_z`, `high_inverse_z`: inverse depths of the farther and the nearer hit, 1/m
 /// - `across`: distance between the rays on the film, divided by the film distance; for an orthographic
 ///   camera, distance between the rays in m
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
-/// Returns the width of a pixel in the unit of the argument `across` of is_one_surface, which tests whether
-/// two eye rays hit the same surface. For a perspective camera, this is the pixel's width on the film divided
-/// by the film distance (both in mm). For an orthographic camera, it is the width in m.
+/// Returns the width of one pixel in the units that is_one_surface needs. For a perspective camera, this is
+/// the pixel's width on the film divided by the film distance. For an orthographic camera, it is the pixel's
+/// width in m.
 [[nodiscard]] double across_per_px(const SampleHeader& header);
 
 /// The surfaces that eye rays reach directly, not by reflection: for each ray, the visible one and those
@@ -81,8 +81,8 @@ struct SampleTrees {
 /// Finds all surfaces that eye rays hit. `primary` gets those that are hit directly, and `deeper` those that
 /// are hit after a reflection or transmission.
 /// - `points`: the eye rays, read from `band`, from row `y_begin` on
-/// - `bright_above`: a reflection or refraction with more radiance must be drawn as a separate surface, not
-///   as if painted on its mirror or glass
+/// - `bright_above`: limit of radiance; reflections and refractions above it are always drawn as separate
+///   surfaces
 void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
                 SampleTrees& primary, SampleTrees& deeper);
 

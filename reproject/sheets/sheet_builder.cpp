@@ -6,8 +6,9 @@
 namespace postlens {
 namespace {
 
-/// If the contrast between the colours at a quadtree cell's corners exceeds this value, an edge is assumed to
-/// cross the cell. Only for files that do not state the threshold with which they were traced.
+/// If the contrast between the colours at a quadtree cell's corners exceeds this value, the cell is treated
+/// as crossed by an edge. Usually, `trace` writes the threshold with which it divided cells to the file. This
+/// value is used for files that do not contain one.
 constexpr float usual_contrast = 0.1F;
 
 }  // namespace
@@ -273,9 +274,9 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
         const auto inside = [&](const LeafPiece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
         };
-        // The recursion takes a range of adjacent cells in the list `pieces`. Therefore, all cells that lie
-        // inside this quarter of the current cell must be adjacent. They usually are already, because the
-        // list is in quadtree order. Otherwise, they are moved together here.
+        // The recursive call gets a contiguous part of `pieces`, the list of the surface's quadtree cells.
+        // Therefore, the cells inside this quarter are moved together if they are not adjacent. This is
+        // rarely needed, because the list is usually in quadtree order.
         auto middle = std::find_if_not(at(from), at(end), inside);
         if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
         const auto to = static_cast<std::size_t>(middle - pieces.begin());

@@ -1,5 +1,5 @@
-// Builds sheets from the quadtrees of raster pixels. A sheet is the part of one surface within a square of 16
-// x 16 px.
+// Builds sheets (parts of surfaces) from recorded ray hits. The hits lie at the corners of quadtree cells,
+// into which the pixels are divided. A sheet is the part of one surface within a square of 16 x 16 px.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@
 
 namespace postlens {
 
-/// Builds sheets from recorded ray hits. A sheet is the part of a surface that lies within a square of 16 x
-/// 16 px of the raster. The rays pass through the corners of quadtree cells. If parts of a surface in the
-/// square have very different depths, they become different sheets.
+/// Builds sheets from the recorded hits of eye rays. A sheet is the part of one surface within a square of 16
+/// x 16 px of the recorded image. If parts of a surface in the square have very different depths, they become
+/// different sheets.
 class SheetBuilder {
   public:
     /// Keeps references to all arguments.
@@ -42,16 +42,16 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const LeafPiece& piece);
     template <std::size_t values>
     void fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const;
-    /// A highlight is radiance above a limit that may be removed from a texel, the colour of a quadtree cell.
-    /// The last texel added has highlights if `bright` has elements from the index `first_light` on. If so,
-    /// records that these elements belong to this texel. `area` is the area of the texel's cell, in px^2.
+    /// Adds an entry to the list of bright texels if the texel added last (the colour of a quadtree cell) has
+    /// highlights, i.e. radiance above a limit. The caller has appended these to `bright`, from the index
+    /// `first_light` on. `area` is the area of the cell, in px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }
 
-    /// A sheet (part of a surface in a square of 16 x 16 px) that is being built. `cells` lists the square's
-    /// pixels that show the sheet, as indices y * 16 + x in ascending order. For each of these pixels,
-    /// `fine`, `coarse`, `planes` and `bends` hold the values that SheetMesh stores under the same names.
+    /// Data of a sheet (part of a surface in a square of 16 x 16 px) that is being built. `cells` lists the
+    /// pixels that show the sheet, as indices y * 16 + x in ascending order. The other lists hold values for
+    /// these pixels, as in SheetMesh.
     struct Draft {
         std::vector<int> cells;
         std::vector<std::uint32_t> fine, coarse;

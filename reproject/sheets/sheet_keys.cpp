@@ -8,10 +8,9 @@
 namespace postlens {
 namespace {
 
-/// If an eye ray hits two surfaces, the hidden one lies closely behind the other if their inverse depths
-/// differ by less than this fraction. The depth of each surface is approximated by a plane in every pixel.
-/// The error of this approximation could then bring the hidden surface in front. So the hidden one gets a key
-/// of its own.
+/// A surface lies closely behind another surface on the same eye ray if their inverse depths differ by less
+/// than this fraction. Since each depth is approximated by planes, an error could bring the hidden surface in
+/// front. Therefore, such a hidden part has its own key.
 constexpr float closely_behind = 0.04F;
 
 struct KeyHash {

@@ -22,8 +22,9 @@ struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
-/// Several parallel tasks build lists, which are then joined. If a joined list is larger than this, in bytes,
-/// the memory of the tasks' lists is returned to the system. For smaller lists, this is not worth the time.
+/// Limit of the size of a joined list, in bytes. Parallel tasks build lists, which are joined and then freed.
+/// If the joined list is larger than this limit, the freed memory is returned to the system at once. For
+/// smaller lists, this would only cost time.
 constexpr std::size_t much_bytes = std::size_t{48} << 20;
 
 /// Joins the meshes that several parallel tasks have built into one mesh, `out`. The lists of the tasks are
@@ -115,9 +116,8 @@ void clear(SheetMesh& m) {
     m.highlights.clear();
 }
 
-/// Returns how many strips are read together, from raster row y on. A strip is a group of 16 raster rows. The
-/// number is large enough to keep all threads busy. But it is also limited, so that the records of these
-/// strips fit into a cache.
+/// Returns how many strips (groups of 16 raster rows) are read from the file together, from the raster row y
+/// on. There must be enough strips for all threads, but their records must fit into a cache of the processor.
 std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, int y,
                            const SheetChoice& choice) {
     constexpr std::size_t most = 64;
@@ -166,9 +166,9 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // The row `y`, the last one just read, will be read again as the first row of the next group of
-        // strips. `also.rows` is a function of the caller that must get each row once. Therefore, `y` is not
-        // passed to it now, unless the file ends with this row.
+        // Passes the rows to the caller's function `also.rows`, which must get each raster row once. The row
+        // `y` is the last row of these strips and the first row of the next ones. Therefore, it is passed now
+        // only if the file ends with it.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];
@@ -198,9 +198,9 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // `made` exists once per thread. If the caller's function `choice.squares` waits for a parallel
-            // loop, this thread may meanwhile run another task of this loop, which overwrites `made`.
-            // Therefore, `made` is copied to `part` before the call.
+            // Each thread has only one `made`. It is copied before the call of `choice.squares`, because this
+            // function may wait for a parallel loop of its own. During the wait, the thread may run another
+            // task of the present loop, which would overwrite `made`.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

@@ -1,5 +1,6 @@
-// Groups the records of one instant into sheets. A sheet is the part of one surface within a square of 16 x
-// 16 px. For each pixel, the sheet stores a quadtree of colours and a plane that approximates the depths.
+// Groups the ray hits that `trace` recorded at one instant into sheets. A sheet is the part of one surface
+// within a square of 16 x 16 px. For each pixel, the sheet stores a quadtree of colours and a plane that
+// approximates the depths.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +14,9 @@
 
 namespace postlens {
 
-/// Identifies a surface by four values: its object, the sequence of reflections and transmissions by which it
-/// is seen, the mirror or glass in which it is seen, and whether it lies closely behind another surface.
+/// Identifies a surface by its object, the sequence of reflections and transmissions by which it is seen, and
+/// the mirror or glass in which it is seen. The part of a surface that lies closely behind another surface is
+/// treated as a separate surface.
 struct SheetKey {
     NodePath path;  ///< empty for primary nodes
     std::uint32_t parent_id =
@@ -50,8 +52,8 @@ struct Texel {
     /// Returns whether the colours at the corners of the quadtree cell are insufficient to determine the
     /// cell's colour. This is so if an outline, a gap, or the edge of a shadow or texture may cross the cell.
     [[nodiscard]] bool unsure() const { return (info & unsure_bit) != 0; }
-    /// Returns whether the edge of a shadow or texture may appear in what the surface reflects or transmits
-    /// within the quadtree cell. If so, the corners of the cell do not determine the reflected or transmitted
+    /// Returns whether the corners of the quadtree cell are insufficient to determine the light that the
+    /// surface reflects or transmits in the cell, because the edge of a shadow or texture may appear in this
     /// light.
     [[nodiscard]] bool unsure_below() const { return (info & unsure_below_bit) != 0; }
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
@@ -78,16 +80,17 @@ struct Sheet {
     std::array<float, 2> strays{};               ///< largest TreeSurface::strays of its nodes
 };
 
-/// Tells whether nearer surfaces hide a part of a surface inside a quadtree cell. If they do, the value also
-/// tells whether the hidden part is recorded. It may be seen from other lens points than the pinhole.
+/// Tells what nearer surfaces hide of a surface inside a quadtree cell. The hidden part matters because other
+/// lens points than the pinhole may see it. It can be drawn only if it was recorded.
 enum class Hides : std::uint8_t {
     nothing,
     recorded,  ///< a part that is recorded as a hidden surface
     unknown    ///< a part that may not be recorded
 };
 
-/// Bright radiance of a recorded surface that exceeds a limit. It is removed from the surface, so the views
-/// of a light field do not show it. Instead, the lens's point spread function spreads it over the image.
+/// Radiance of a recorded surface above a limit. It is removed from the surface, and the lens's point spread
+/// function spreads it over the image. In the mean of a limited number of views, a very bright spot would
+/// appear as separate dots.
 struct Highlight {
     float x = 0, y = 0;          ///< raster px
     std::array<float, 3> rgb{};  ///< radiance times px^2
@@ -95,7 +98,8 @@ struct Highlight {
     Mat2 w;                      ///< 1/m
     float inverse_z = 0;         ///< 1/m
     float bend = 0;              ///< Record::w_bend
-    /// Gradient of inverse depth over the raster, in 1/m per px; 0 if unknown.
+    /// Gradient over the raster of the inverse depth of the surface that emits the highlight, in 1/m per px;
+    /// 0 if unknown.
     glm::vec2 slope{0};
     std::uint32_t sheet = 0;
     Hides hides = Hides::nothing;
@@ -106,7 +110,8 @@ struct Highlight {
     }
 };
 
-/// The colour (texel) of a quadtree cell whose radiance exceeds the limit for highlights.
+/// A texel (colour of a quadtree cell) that is brighter than the limit for highlights. The radiance above the
+/// limit can be removed from the texel, and is stored separately as highlights.
 struct BrightTexel {
     std::uint32_t texel = 0;
     std::uint32_t first_light = 0, lights = 0;  ///< its elements of SheetMesh::bright
@@ -119,26 +124,25 @@ struct SheetMesh {
 
     double time_s = 0;
     std::vector<Sheet> sheets;
-    /// A sheet is a part of a surface. For each pixel of a sheet, there are two quadtrees of colours, and
-    /// these lists hold the indices of their root nodes in `nodes`. The quadtree in `fine` has all colours
-    /// that were recorded in the pixel. The one in `coarse` is for blurred surfaces. It has a single colour
-    /// if the sheet covers the whole pixel.
+    /// Root nodes of quadtrees of colours, as indices in `nodes`, for each pixel of each sheet (part of a
+    /// surface). The quadtree in `fine` contains all recorded colours. The one in `coarse` is used where the
+    /// lens blurs the surface. It has a single colour if the sheet covers the whole pixel.
     std::vector<std::uint32_t> fine, coarse;
-    /// For each pixel of a sheet (part of a surface), there are `values` linear functions of the offset from
-    /// the pixel's centre, in px. The first one gives the surface's inverse depth, in 1/m. If `values` is 5,
-    /// the other four give the entries of the 2x2 matrix W (Record::w), also in 1/m.
+    /// Linear functions of the offset from a pixel's centre, in px: `values` functions for each pixel of each
+    /// sheet (part of a surface). The first gives the inverse depth, in 1/m. If `values` is 5, four more give
+    /// the matrix W (Record::w), in 1/m.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< for each cell, its largest Record::w_bend; only if W is stored
     std::vector<std::uint32_t> nodes;
     std::vector<Texel> texels;
-    /// Radiance of the light that a surface reflects and transmits. There is one element for each colour in
-    /// `texels`. It holds the RGB radiance that the colour's surface sends to the eye by reflection ([0]) and
-    /// by transmission ([1]), in addition to the colour itself. The list is empty if no surface reflects or
-    /// transmits light.
+    /// RGB radiance that mirrors and glass send to the eye by reflection ([0]) and by transmission ([1]), for
+    /// each recorded colour in `texels`. A colour in `texels` contains only the light of the surface itself.
+    /// The list is empty if no surface reflects or transmits light.
     std::vector<std::array<std::array<float, 3>, 2>> below;
-    /// Highlights: that part of the recorded radiance that exceeds HighlightRule::above. `bright_texels`
-    /// lists the quadtree cells whose radiance exceeds it.
+    /// Highlights: the part of the recorded radiance that exceeds the limit HighlightRule::above.
+    /// `bright_texels` lists the colours of quadtree cells that exceed the limit, and tells which elements of
+    /// `bright` belong to each of them.
     std::vector<Highlight> bright;
     std::vector<BrightTexel> bright_texels;
     std::vector<Highlight> highlights;  ///< the elements of `bright` that have been taken out of the texels
@@ -160,52 +164,48 @@ struct BrightSheet {
     Hides hides = Hides::nothing;  ///< what nearer surfaces hide in any of its leaves
 };
 
-/// Decides which bright surfaces become highlights. The part of their radiance that exceeds `above`, per
-/// colour channel, is removed from the surface. The lens's point spread function then spreads it over the
-/// image.
+/// Decides which bright surfaces become highlights. The radiance of such a surface above the limit `above`,
+/// in each colour channel, is removed from the surface. The lens's point spread function spreads this removed
+/// radiance over the image instead.
 struct HighlightRule {
     float above = 1;
-    /// Returns whether a bright quadtree cell becomes a highlight. `light` is the part of the cell's radiance
-    /// that exceeds `above`. `key` and `sheet` describe the surface to which the cell belongs. If this
-    /// function is empty, no cell becomes a highlight.
+    /// Returns whether `light`, the part of a quadtree cell's radiance above the limit `above`, becomes a
+    /// highlight. `key` identifies the surface that the cell shows, and `sheet` describes its bright cells in
+    /// the same square of 16 x 16 px. If `takes` is empty, there are no highlights.
     std::function<bool(const Highlight& light, const SheetKey& key, const BrightSheet& sheet)> takes;
 };
 /// Returns one element for each of mesh.sheets.
 [[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
-/// Selects the sheets that are built. A sheet is a part of a surface within a square of 16 x 16 px, and an
-/// image may need only some of them. The sheets that are built have the same contents as without a selection,
-/// but other indices.
+/// Selects what tree_sheets reads from the file and keeps. An image may need only some of the sheets, which
+/// are parts of surfaces within squares of 16 x 16 px. The selection changes the index of a sheet, but not
+/// its contents.
 struct SheetChoice {
-    /// The raster is divided into squares of 16 x 16 px, and each row of squares is read from the file as a
-    /// whole. Returns whether the row of squares that begins at the raster row y is read. If this function is
-    /// empty, all rows are read.
+    /// Returns whether a row of squares (16 x 16 px of the raster) is read from the file. `y` is the first
+    /// raster row of this row of squares. If the function is empty, all rows are read.
     std::function<bool(int y)> rows;
-    /// Optional function that removes surfaces that the caller does not need. A row of squares (16 x 16 px)
-    /// is divided into parts of up to 8 adjacent squares. `some` holds the surfaces of one part. `part` is
-    /// the number of the part in its row of squares, and `y` is the first raster row of this row. Several
-    /// threads may call the function at the same time.
+    /// Optional function that deletes surfaces that the caller does not need. `some` holds the surfaces in up
+    /// to 8 adjacent squares (16 x 16 px). `y` is the first raster row of these squares, and `part` is the
+    /// index of their group in the row. Several threads may call it at once.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Optional function that supplies surfaces that the caller already has. If `rows` returns false for a
-    /// row of squares (16 x 16 px), that row is not read from the file. Instead, this function is called with
-    /// the first raster row `y` of the row of squares. It appends the surfaces of these squares to `parts`,
-    /// from left to right.
+    /// Optional function that supplies surfaces read earlier. It is called for each row of squares (16 x 16
+    /// px) for which `rows` returns false. `y` is the first raster row of these squares. The function appends
+    /// their surfaces to `parts`, from left to right.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
 
-/// Reads the surfaces recorded at one instant from a sample file, and divides them into sheets. A sheet is
-/// the part of a surface within a square of 16 x 16 px. The functions in `also` are called with all records
-/// that are read, so that the caller need not read the file again. Throws Error(out_of_memory), and
-/// exceptions of the reader and of `also`.
+/// Reads the surfaces recorded at one instant from a sample file, and divides them into sheets (parts of
+/// surfaces within squares of 16 x 16 px). The functions in `also` get all records that are read. Throws
+/// Error(out_of_memory), and exceptions of the reader and of `also`.
 [[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Selects highlights (bright radiance that is removed from surfaces) by a new rule, and undoes the selection
-/// made before. `rule.above`, the limit of radiance, must be the same as when `sheets` were built. The result
-/// is bit-identical to that of calling tree_sheets with the new rule.
+/// Selects the highlights (bright radiance that is removed from surfaces) anew by another rule, and undoes
+/// the earlier selection. The result is bit-identical to that of tree_sheets, which builds `sheets`, with the
+/// new rule. The limit of radiance, `rule.above`, must be the same as when `sheets` were built.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens

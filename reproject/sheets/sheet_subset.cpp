@@ -30,9 +30,9 @@ class Subset {
                           planes + static_cast<std::ptrdiff_t>((first + cells) * from_.values));
     }
 
-    /// Completes the copy of the selected sheets, and returns it. Highlights refer to sheets by an index,
-    /// which changes in the copy. `number` gives the new index for each sheet of the original, or
-    /// SheetNode::none if the sheet is not copied.
+    /// Completes the copy of the mesh and returns it. Each highlight (bright radiance of a surface) stores
+    /// the index of its sheet, which differs in the copy. `number` gives the new index for each sheet of the
+    /// original, or SheetNode::none if the sheet is not copied.
     SheetMesh finish(std::span<const std::uint32_t> number) {
         std::vector<std::uint32_t> light(from_.bright.size() + 1);
         for (std::size_t i = 0; i < from_.bright.size(); ++i) {

@@ -8,9 +8,9 @@
 
 namespace postlens {
 
-/// Returns a copy of `mesh` that contains only some of its sheets (parts of surfaces). The sheets with a
-/// nonzero element in `wanted` are copied, in the same order as in `mesh`. The list SheetMesh::highlights is
-/// not copied. Therefore, call take_highlights afterwards, which selects the highlights of the copy.
+/// Returns a copy of `mesh` that contains only those sheets (parts of surfaces) whose element in `wanted` is
+/// nonzero. The selected highlights (bright radiance removed from surfaces) are not copied. Therefore, call
+/// take_highlights afterwards.
 [[nodiscard]] SheetMesh sheet_subset(const SheetMesh& mesh, std::span<const std::uint8_t> wanted);
 
 }  // namespace postlens

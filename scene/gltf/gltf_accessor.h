@@ -24,16 +24,17 @@ class GltfAccessors {
   public:
     explicit GltfAccessors(const GltfDocument& document) : document_(document) {}
 
-    /// Returns the elements of the accessor with this index in the document. If the accessor is sparse, the
-    /// elements that it replaces are included. `index` must be in range. `place` is the JSON object that
-    /// refers to the accessor; error messages name it. Throws Error(invalid_input):
+    /// Returns the elements of an accessor (array of numbers) of the glTF file. `index` is its number in the
+    /// file, and must be in range. Sparse accessors are supported. `place` is the JSON object that refers to
+    /// the accessor; error messages name it. Throws Error(invalid_input):
     /// - if the number of components is not one of `components`
     /// - if elements lie outside the buffer view
     /// - if a number is not finite
     [[nodiscard]] GltfValues floats(std::size_t index, std::initializer_list<std::size_t> components,
                                     const JsonPlace& place);
-    /// Returns the values of a SCALAR accessor of unsigned integers.
-    /// Throws Error(invalid_input) if a value is `limit` or more.
+    /// Returns the unsigned integers of a glTF accessor (array) whose elements are single numbers (type
+    /// SCALAR). Throws Error(invalid_input) if a value is `limit` or more. `place` is the JSON object that
+    /// refers to the accessor; error messages name it.
     [[nodiscard]] std::vector<std::uint32_t> indices(std::size_t index, std::size_t limit,
                                                      const JsonPlace& place);
 

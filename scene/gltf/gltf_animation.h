@@ -32,11 +32,10 @@ struct GltfNodeCurves {
     /// Returns the node's placement (translation, rotation, scale) at a time. `own` provides the properties
     /// that have no curve.
     [[nodiscard]] Placement at(double time_s, const Placement& own) const;
-    /// Returns the times of all keyframes of these curves, in s and ascending. A step curve keeps each value
-    /// until the next keyframe, where it jumps. But values between two of the returned times are
-    /// interpolated. Therefore, another time is inserted shortly before each jump, so that the value is kept
-    /// up to there. It is earlier by shortest_key_gap_s, or by half the distance to the previous keyframe if
-    /// this is less.
+    /// Returns the times of all keyframes of these curves, in s and ascending. A curve of the kind `step`
+    /// jumps at its keyframes, but the caller interpolates between the returned times. Therefore, a time
+    /// shortly before each jump is inserted: earlier by shortest_key_gap_s, or by half the distance to the
+    /// previous keyframe if this is less.
     [[nodiscard]] std::vector<double> times_s() const;
 };
 

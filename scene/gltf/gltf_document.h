@@ -29,16 +29,16 @@ struct GltfDocument {
     GltfDocument& operator=(GltfDocument&&) = delete;
 
     [[nodiscard]] JsonPlace root() const { return {file, json, ""}; }
-    /// Returns the bytes of a buffer view. `index` must be in range.
+    /// Returns the bytes of a buffer view, which is a range of bytes in a buffer of the glTF file. `index` is
+    /// its number in the file, and must be in range.
     [[nodiscard]] std::string_view view(std::size_t index) const;
     /// Returns the number of elements in an array of the document, or 0 if there is no such array.
     [[nodiscard]] std::size_t count(const char* array) const;
     /// Returns element `index` of an array of the document. The element must exist.
     [[nodiscard]] JsonPlace item(const char* array, std::size_t index) const;
 
-    /// Returns the bytes to which `uri` refers. It is either a data URI, which contains the bytes, or the
-    /// path of a file, which is read and added to `files`. `place` is the JSON object that contains the URI;
-    /// error messages name it.
+    /// Returns the bytes to which `uri` refers: those that a data URI contains, or those of a file, which is
+    /// added to `files`. Error messages name `place`, the JSON object that contains the URI.
     /// Throws Error(invalid_input):
     /// - for other kinds of URI
     /// - for a file that cannot be read

@@ -34,8 +34,10 @@ class GltfNodes {
     [[nodiscard]] Placement frame_at(std::size_t frame, double time_s) const;
     /// Returns the keyframe times of the animated node `frame` and of its animated ancestors, ascending.
     [[nodiscard]] std::vector<double> frame_times_s(std::size_t frame) const;
-    /// A placement (translation, rotation, scale) cannot represent shear. Returns the largest relative error
-    /// that this causes in the placement of the animated node number `frame`, over its keyframes.
+    /// Returns how inaccurately a placement (translation, rotation, scale) represents the transform of the
+    /// animated node number `frame`. There is an error if the transform contains shear. It is relative to the
+    /// length of the longest column of the transform's matrix. The largest error over all keyframes is
+    /// returned.
     [[nodiscard]] double frame_shear(std::size_t frame) const;
 
   private:

@@ -80,9 +80,9 @@ std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& n
         l.fail_here("is of an unknown type (got {}; expected directional, point or spot)", excerpt(type));
     }
     light.kind = type == "point" ? Light::Kind::point : Light::Kind::spot;
-    // The light is divided by the squared distance. This distance is in the file's unit, so a squared
-    // distance in m^2 is multiplied by 1 / unit^2, where `unit` is the number of metres per unit. If the user
-    // chooses another `unit`, the whole scene is scaled, but the image does not change.
+    // The light decreases with the squared distance from its source. Distances in the scene are in m, but the
+    // decrease must depend on the distance in units of the file. `unit` is the number of metres per unit, so
+    // the squares are divided by unit^2.
     light.attenuation = dvec3(0, 0, 1 / (unit * unit));
     if (l.has("range")) notes.add("the range of a light is left out: it shines on beyond it");
     if (light.kind == Light::Kind::spot) {

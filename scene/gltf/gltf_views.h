@@ -14,9 +14,8 @@ namespace postlens {
                                                 double metres_per_unit);
 
 /// Returns the light of a node (KHR_lights_punctual), or empty if the node has none. The file gives the
-/// intensity in lux or candela, but a Light needs the radiance that a white diffuse surface has in this
-/// light. Therefore, the intensity is divided by `options.lumens_per_watt`, which converts lumens to watts,
-/// and by pi, because the radiance of such a surface is irradiance / pi. Throws Error(invalid_input).
+/// intensity in lux or candela, but a Light needs the radiance of a white diffuse surface in this light.
+/// Therefore, the intensity is divided by `options.lumens_per_watt` and by pi. Throws Error(invalid_input).
 [[nodiscard]] std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& node,
                                               const SceneReadOptions& options, SceneNotes& notes);
 

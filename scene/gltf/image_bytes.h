@@ -18,7 +18,8 @@ struct RawImage {
     bool has_alpha = false;
 };
 
-/// Largest image that is decoded, in pixels: 1 GiB as a RawImage.
+/// Largest image that is decoded, in pixels. A RawImage has four floats for each pixel, so it then needs 1
+/// GiB.
 inline constexpr double most_image_pixels = 1 << 26;
 
 /// Decodes a PNG, JPEG or OpenEXR file. Error messages call it `name`.

@@ -17,12 +17,12 @@ namespace postlens {
 /// has more than 4 million values. A value needs about 100 bytes of memory.
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, const std::string& file);
 
-/// A JSON value together with its position in the document, such as "materials[2].emissiveFactor". Error
-/// messages name this position. Keeps references to the document and to the name of the file.
+/// A JSON value together with its position in the document, such as "materials[2].emissiveFactor". Keeps
+/// references to the document and to the name of the file.
 ///
-/// The member functions that read a key return its value, or an empty value if the key is missing. If the
-/// value has a wrong type or is out of range, they throw Error(invalid_input) with the message "FILE: PLACE
-/// problem (got X; expected Y)".
+/// The member functions that read a key return an empty value if the key is missing. If the value has a wrong
+/// type or is out of range, they throw Error(invalid_input) with the message "FILE: PLACE problem (got X;
+/// expected Y)".
 class JsonPlace {
   public:
     JsonPlace(const std::string& file, const nlohmann::json& value, std::string where)

@@ -14,10 +14,9 @@
 
 namespace postlens {
 
-/// Provides files to the library assimp, which reads OBJ scenes. The contents are passed from memory and
-/// converted to UTF-8, and MTL files (materials) are rewritten (see obj_text.h). Files outside the scene's
-/// folder are not opened, and no files are written. If a requested file cannot be read or is outside the
-/// folder, `missing` or `outside` lists it.
+/// Provides files to the library assimp, which reads OBJ scenes. The contents are passed from memory. MTL
+/// files (materials) are converted to UTF-8 and rewritten. No files are written. `missing` lists files that
+/// cannot be read, and `outside` lists files outside the scene's folder, which are not opened.
 class MeshFiles : public Assimp::IOSystem {
   public:
     /// `text` is the content of the scene file, an OBJ file as rewritten by `rewritten_obj`.

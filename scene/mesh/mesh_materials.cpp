@@ -87,8 +87,8 @@ Material MeshMaterials::read(const aiMaterial& from, const MaterialPictures& pic
     for (const aiTextureType type : {aiTextureType_AMBIENT, aiTextureType_SPECULAR, aiTextureType_OPACITY,
                                      aiTextureType_SHININESS, aiTextureType_HEIGHT, aiTextureType_NORMALS,
                                      aiTextureType_DISPLACEMENT, aiTextureType_REFLECTION}) {
-        // A texture of Ka (ambient) causes no note, because many exporters repeat the texture of Kd (diffuse)
-        // there.
+        // A texture of the ambient colour Ka is ignored without a note to the user, because many exporters
+        // repeat the texture of the diffuse colour Kd there.
         if (from.GetTextureCount(type) > 0 && type != aiTextureType_AMBIENT) {
             notes_.add("pictures for anything but Kd and Ke are left out");
         }

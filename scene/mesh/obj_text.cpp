@@ -128,7 +128,8 @@ class OptionReader {
         return word;
     }
 
-    // Reads up to `most` numbers, but never the last word of the line, which is the file name.
+    // Reads up to `most` numbers from a line of an MTL file. The last word of the line is not read, because
+    // it is the name of the texture file, which may look like a number.
     std::vector<double> take_numbers(std::size_t most) {
         std::vector<double> out;
         while (out.size() < most && first_word(rest_).size() < rest_.size()) {
@@ -168,8 +169,8 @@ std::string rewritten_obj(std::string_view text) {
         } else {
             out += line;
         }
-        // If the trimmed line ends with a backslash, appends a blank. Otherwise, the backslash would join the
-        // next line to it.
+        // In an OBJ file, a backslash at the end of a line joins the next line to it. In the original, blanks
+        // followed this backslash, but `trimmed` has removed them, so a blank is appended again.
         if (out.ends_with('\\')) out += ' ';
         move_line_ends(text, out);
     }

@@ -30,10 +30,9 @@ struct MaterialPictures {
 /// - one `mtllib` line per file name
 [[nodiscard]] std::string rewritten_obj(std::string_view text);
 
-/// Returns the text of an MTL file in a form that assimp reads correctly. Comments at the ends of lines with
-/// numbers are removed, and so is the option `-halo`.
-/// The options of the textures map_Kd and map_Ke are moved to `pictures`, under the name of their material.
-/// Adds a note for options that are ignored.
+/// Returns the text of an MTL file in a form that assimp reads correctly, without comments after numbers and
+/// without the option `-halo`. The options of the textures map_Kd and map_Ke are moved to `pictures`, under
+/// the name of their material. Adds a note for options that are ignored.
 [[nodiscard]] std::string rewritten_mtl(std::string_view text,
                                         std::map<std::string, MaterialPictures>& pictures, SceneNotes& notes);
 

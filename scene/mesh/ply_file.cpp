@@ -45,8 +45,8 @@ std::optional<std::array<std::size_t, count>> places_of(
 }
 
 // Returns the number by which a file of this type stores the full intensity 1 of a colour. It is 1 for
-// floating-point numbers, 255 for 8-bit integers and 65535 for 16-bit integers. Files with 32-bit integers
-// are assumed to use only the range of a byte, so it is 255 for them too.
+// floating-point numbers, 65535 for 16-bit integers and 255 for 8-bit integers. Files with 32-bit integers
+// are assumed to use only the range of a byte.
 double white(PlyType type) {
     if (type == PlyType::float32 || type == PlyType::float64) return 1;
     return type == PlyType::int16 || type == PlyType::uint16 ? 65535 : 255;

@@ -312,7 +312,9 @@ class NffReader {
                 n.count == 1 ? fmt::format("{}:{}: {}", path_.string(), n.line, n.text)
                              : fmt::format("{}:{}: {} ({} times)", path_.string(), n.line, n.text, n.count));
         }
-        // Relative intensity of each light, as proposed with the Standard Procedural Databases.
+        // Scales the intensities of the n lights by sqrt(n) / (2 n), so that the total brightness grows only
+        // with the square root of n. This rule comes from the Standard Procedural Databases, the test scenes
+        // for which the NFF format was made.
         const double lights = static_cast<double>(std::max<std::size_t>(scene_.lights.size(), 1));
         const double intensity = std::sqrt(lights) / (2 * lights);
         for (Light& light : scene_.lights) light.intensity *= intensity;

@@ -76,9 +76,9 @@ std::optional<std::string_view> NffTokens::next() {
 
 std::vector<std::string> NffTokens::rest_of_line() {
     std::vector<std::string> rest;
-    // Returns the remaining words of the line on which the last word was taken, `taken_line_`. If the last
-    // word ended this line, peek() may already have read the next line. Then `line_` differs from
-    // `taken_line_`, and the words of that next line must not be returned.
+    // Returns the remaining words of the line `taken_line_`, on which the last word was taken. If this line
+    // has no more words, peek() may have read the next line already. Then `words_` holds the next line's
+    // words, which must not be returned.
     while (line_ == taken_line_ && word_at_ < words_.size()) rest.emplace_back(words_[word_at_++]);
     return rest;
 }

@@ -34,7 +34,7 @@ class NffTokens {
     /// Converts a word that `next` has returned to a number.
     [[nodiscard]] double number(std::string_view word, std::string_view what, double largest) const;
 
-    /// Returns the line number of the last word that was returned. The first line is 1.
+    /// Returns the line number, from 1, of the last word that `next` has returned from the NFF file.
     [[nodiscard]] int line() const { return taken_line_; }
     /// Returns the SHA-256 of the whole file. Call it only once, at the end of the file.
     [[nodiscard]] std::string sha256() { return digest_.hex(); }

@@ -76,9 +76,9 @@ class ObjectReader {
     }
 
   private:
-    // Checks the keys of a table for an object whose key "shape" is missing or misspelt. The keys of all
-    // shapes are accepted, so that the error message is about "shape", not about a key that is correct for
-    // the intended shape.
+    // Checks the keys of an object's table `t` if its key "shape" is missing or misspelt. Since the intended
+    // shape is unknown, the keys of all shapes are accepted. Otherwise, a correct key would be reported
+    // instead of the wrong "shape".
     static void refuse_unknown_of_any_shape(const TomlTable& t) {
         std::vector<Name> all;
         for (std::size_t kind = 0; kind < shape_kinds.size(); ++kind) {

@@ -10,7 +10,9 @@
 
 namespace postlens {
 
-/// Values of the key `shape`. `kind` is an index into this array. An "instance" is a copy of another object.
+/// The shapes that an object in a scene file may have, as values of its key `shape`. The functions below
+/// identify a shape by `kind`, its index in this array. The shape "instance" stands for a copy of another
+/// object.
 inline constexpr std::array<std::string_view, 9> shape_kinds{"sphere",   "box",  "disc", "rectangle", "plane",
                                                              "cylinder", "cone", "mesh", "instance"};
 inline constexpr std::size_t instance_kind = 8;
@@ -18,7 +20,9 @@ inline constexpr std::size_t instance_kind = 8;
 /// Returns the keys that only this kind of shape has.
 [[nodiscard]] std::span<const std::string_view> shape_keys(std::size_t kind);
 
-/// Reads a shape from the table of an object, in metres in object space. `kind` must not be `instance_kind`.
+/// Reads the shape of an object from its table in the scene file. The result is in metres, in object space.
+/// `kind` is the index of the shape in shape_kinds. It must not be `instance_kind`, because an instance has
+/// no shape of its own, but copies another object.
 [[nodiscard]] Shape read_shape(const TomlTable& table, std::size_t kind, double metres_per_unit);
 
 }  // namespace postlens

@@ -139,9 +139,8 @@ Light read_light(const TomlTable& t, double unit) {
         light.attenuation = t.vec3("attenuation", {.min = 0, .max = 1e12}).value_or(light.attenuation);
         if (light.attenuation == dvec3(0))
             t.fail_at("attenuation", "'attenuation' is 0 everywhere (expected one term above)");
-        // The attenuation of a light is 1 / (a0 + a1 r + a2 r^2), where r is the distance from the light. The
-        // file gives the factors for r in scene units, but here r is in metres. Therefore, a1 is divided by
-        // `unit`, the number of metres per scene unit, and a2 by its square.
+        // The attenuation of a light is 1 / (a0 + a1 r + a2 r^2). The file gives a1 and a2 for a distance r
+        // in scene units, but here r is in metres. `unit` is the number of metres per scene unit.
         light.attenuation /= dvec3(1, unit, unit * unit);
     }
     if (has_aim) light.direction = t.required(read_direction(t, "direction"), "direction");

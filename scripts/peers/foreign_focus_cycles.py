@@ -41,8 +41,9 @@ def run(command, log=None, environment=None):
 def blender(out, arguments, words):
     if arguments.keep and os.path.exists(out):
         return
-    # Blender contains a Python interpreter, but takes the standard library from the first python3 on the search path.
-    # This must be Debian's python3 in /usr/bin, because it has the module numpy.
+    # Blender contains its own Python interpreter, which loads the standard library of the first python3 in PATH. Only
+    # Debian's python3, in /usr/bin, has the module numpy. Therefore, Blender is started with /usr/bin as the first
+    # folder in PATH.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
     quiet = ["-b", "--factory-startup", "-noaudio", "--python-exit-code", "1"]

@@ -29,8 +29,8 @@ FIELD_M = 4  # side of the square of floor that the image shows
 FILM_MM = 36
 SIZE_PX = 64
 # The lights that are compared. For each kind of light, the first number is its power, in W, or in W/m^2 for the sun.
-# The second number is its rotation about the x axis, in degrees. The sun and the spot are rotated, so that their light
-# meets the floor obliquely. This tests the cosine of the angle of incidence.
+# The second number is its rotation about the x axis, in degrees. Oblique light tests the cosine of the angle of
+# incidence.
 LIGHTS = {"SUN": (2, 30), "POINT": (1000, 0), "SPOT": (1000, 20)}
 LIMIT = 0.01  # greatest deviation of a ratio from 1
 TIMEOUT_S = 600
@@ -136,8 +136,8 @@ def run(command, environment=None):
 
 
 def blender(step, folder):
-    # Blender's Python loads the standard library of the first python3 on the search path. It must be Debian's python3,
-    # which has numpy.
+    # Blender's Python loads its standard library from the first python3 in PATH. Only Debian's python3, in /usr/bin,
+    # has the module numpy, which is needed here. Therefore, /usr/bin is put first in PATH.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
     quiet = ["-b", "--factory-startup", "-noaudio", "--python-exit-code", "1"]

@@ -20,13 +20,13 @@ import sys
 
 RASTER_PX = 512
 MAX_DEPTH = 5  # levels of a shading tree, including the eye ray, that the SPD scenes require
-# Largest transmittance T that can be converted to POV-Ray. If a pigment has a `filter`, POV-Ray multiplies its diffuse
-# and ambient light by 1 - T. To undo this, both are divided by 1 - T in the output. Therefore, T must be below 1.
+# Largest transmittance T of a surface that this script converts to POV-Ray. T must be below 1, because the script
+# divides the diffuse and ambient light by 1 - T. POV-Ray multiplies them by this factor, but NFF does not.
 LARGEST_TRANSMITTANCE = 1 - 1e-6
 DEFAULT_FILL = [1.0, 1.0, 1.0, 0.8, 0.0, 32.0, 0.0, 1.0]
-# Tolerance of the test whether a polygon is convex. The outline of a convex polygon turns in the same direction at
-# every corner. But the coordinates in the file are rounded to six digits, so the outline may turn slightly in the
-# opposite direction. Such a turn is accepted if the sine of its angle is at most this value.
+# Tolerance of the test whether a polygon is convex. The outline of a convex polygon always turns in the same direction.
+# Since coordinates are rounded to six digits, opposite turns are accepted if the sine of the angle is at most this
+# value.
 LARGEST_REFLEX = 1e-4
 
 

@@ -27,9 +27,8 @@ from mathutils import Euler, Matrix, Quaternion, Vector
 OUTLINE_PX = 0.01  # a hundredth of the width of the box filter: the error is at most 1 % of an edge's contrast
 MOTION_PX = 0.01
 POSES_LOG2 = 7  # Cycles' limit: 2^7 intervals in the frame
-# Fraction of a frame during which the shutter is open in Cycles 3.4 if its shutter time is set to one frame. Cycles
-# stores the shutter curve in 256 entries, so the shutter is only open for 254 of 256. Therefore, the class Exposure
-# places the exposure of the scene in this fraction of the frame.
+# Fraction of a frame during which the shutter is really open in Cycles 3.4, if its shutter time is one frame. Cycles
+# stores the shutter curve in 256 entries, but the shutter is open only for 254 of them.
 SHUTTER_COVERED = 254 / 256
 LARGEST_ICOSPHERE = 8  # 330,000 triangles
 
@@ -185,9 +184,9 @@ def checker(nodes, links, table, emission):
             made.inputs[1].default_value = value
         return made
 
-    # Blender has a node for checkerboards (Checker Texture), but it would shift the borders of the cells. Therefore,
-    # the checkerboard is computed by arithmetic nodes. They multiply the position by 1 / x, where x is the size of a
-    # cell. If x is infinite, the factor is 0, so the pattern is constant along this axis.
+    # The checkerboard is computed by arithmetic nodes, because Blender's Checker Texture would shift the borders of the
+    # cells. The nodes multiply the position by 1 / x, where x is the size of a cell. If x is infinite, the pattern is
+    # constant along this axis.
     shares = [1 / x for x in triple(needed(what, table, "size_m"))]
     at = nodes.new("ShaderNodeTexCoord").outputs["Object"]
     at = node("ShaderNodeVectorMath", at, triple(table.get("offset_m", 0)), "SUBTRACT").outputs["Vector"]

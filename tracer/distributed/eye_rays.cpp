@@ -30,7 +30,8 @@ void make_eye_rays(const RenderSetup& setup, const Sampler& sampler, bool times,
         }
     }
     if (lane == 0) return;
-    // Fills the last group of 16 rays with dummy samples. Their rays are removed again below.
+    // The camera makes rays for groups of 16 samples. The last group may have fewer, so it is filled with
+    // dummy samples. After the rays are made, those of the dummy samples are removed from `eye.rays`.
     for (std::size_t i = lane; i < 16; ++i) {
         samples.x[i] = samples.y[i] = samples.lens_u[i] = samples.lens_v[i] = samples.time[i] = 0;
     }

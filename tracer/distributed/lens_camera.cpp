@@ -68,10 +68,9 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
         const float qx = optics.aperture_radius_m * (first ? along : across);
         const float qy = optics.aperture_radius_m * (first ? across : along);
         const float px = s.x[i] - optics.half_width, py = s.y[i] - optics.half_height;
-        // The pinhole sees a point of the focus plane at (px, py), in px from the image centre. The ray goes
-        // to this point from the lens point (qx, qy), in m. `out.tx` and `out.ty` give the ray's direction as
-        // tangents of the angle to the optical axis. `out.qx` and `out.qy` give its start on the lens plane,
-        // in m.
+        // Each ray goes from a lens point (qx, qy), in m, to a point of the focus plane. The pinhole camera
+        // shows the latter at (px, py), in px from the image centre. `out` gets the ray's direction as
+        // tangents (tx, ty), and its start (qx, qy), in m.
         out.tx[i] = px * optics.tangent_per_px - qx * optics.inverse_focus_per_m;
         out.ty[i] = py * optics.tangent_per_px - qy * optics.inverse_focus_per_m;
         out.qx[i] = qx + px * optics.metres_per_px;
@@ -264,10 +263,9 @@ double LensCamera::px_per_m(const dvec3& world, double time_s) const {
     const Frame f = frame_at(time_s);
     const double distance = glm::length(world - f.position), depth = glm::dot(world - f.position, f.forward);
     if (!(depth > 0)) return 0;
-    // The scale of the image is gain_px / depth, in px per metre. `gain_px` is the film distance in px, and
-    // `depth` is measured along the optical axis. For a point far to the side, the depth may be almost 0, and
-    // the scale would be almost infinite. Therefore, the depth counts as at least 2 % of the point's distance
-    // from the camera.
+    // Returns how many px of the image correspond to 1 m at the point: the film distance in px, `gain_px`,
+    // divided by the depth. For a point far to the side, the depth is almost 0, so it counts as at least 2 %
+    // of the point's distance.
     return lens_.gain_px / std::max(depth, 0.02 * distance);
 }
 

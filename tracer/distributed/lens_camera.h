@@ -32,9 +32,9 @@ class LensCamera {
         /// a traced lens prescription that has the geometry `lens`
         std::shared_ptr<const LensView> view = nullptr;
     };
-    /// Creates a camera for a frame. The raster (image size), the projection and the camera's pose are taken
-    /// from `model`. Only the camera's motion is taken from `camera`. An orthographic camera must have an
-    /// aperture radius of 0 in `settings`.
+    /// Creates a camera for a frame. `model` describes the frame: its raster (image size), its projection and
+    /// the camera's pose. `camera` is the camera of the scene, and only its motion is used. An orthographic
+    /// camera must have an aperture radius of 0 in `settings`.
     LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
 
     /// Sixteen samples for which rays are made together. `x` and `y` are the positions in the image, in px.
@@ -50,12 +50,12 @@ class LensCamera {
     /// it transmits along each ray is appended to `weights`.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
-    /// Adds 16 rays, whose directions have unit length, to `batch`. If the lens may block light, i.e. if
-    /// loses_rays() is true, the fraction of light that the lens transmits along each ray is appended to
-    /// `weights`.
+    /// Adds one ray, whose direction has unit length, to `batch` for each of the 16 samples. A sample gives
+    /// the image position, the lens point at which the ray starts, and the instant. If loses_rays() is true,
+    /// the fraction of light that the lens transmits along each ray is appended to `weights`.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
-    /// Returns whether the lens may block a part of the light. If so, the rays have weights, which may be
-    /// below 1. If not, all weights would be 1, so add_rays does not append them.
+    /// Returns whether the lens may block a part of the light. If so, add_rays gives each ray a weight. If
+    /// not, all weights would be 1, so add_rays omits them.
     [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
 
     /// A ray in double precision, to test the float rays. `time` is a fraction of the shutter interval.
@@ -66,12 +66,11 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// A ray leaves the lens at the lens point `unit`, and is focused on the raster position (x, y), in px.
-    /// Returns the raster position, in px, at which the pinhole camera sees another point of this ray.
+    /// Returns the raster position, in px, at which the pinhole camera sees a point of a lens ray. The ray
+    /// starts at the lens point `unit` and goes to the point of the focus plane that the pinhole sees at (x,
+    /// y), in px. Not for cameras with a lens prescription.
     /// - `unit`: in lens radii from the centre of the lens
     /// - `t`: distance of the point along the ray, in m
-    ///
-    /// Not for cameras with a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
     /// Returns the inverse depth, 1/m, of a plane at its point `world`, and the derivatives along raster x
@@ -87,7 +86,8 @@ class LensCamera {
     [[nodiscard]] int height() const { return height_; }
 
   private:
-    // Sixteen rays in the camera's frame: lens points, m, and direction tangents along the raster's axes.
+    // Sixteen rays in the camera's frame. A ray starts at the point (qx, qy) of the lens, in m. `tx` and `ty`
+    // give its direction: the displacement along the raster's x and y axes per unit of depth.
     struct Local {
         alignas(64) std::array<float, 16> qx, qy, tx, ty;
     };

@@ -30,9 +30,9 @@ constexpr const char* checksum_attribute = "postlens:checksum";
 /// Name of the OpenEXR attribute that describes, as JSON, which sums of radiance the file holds per pixel.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit words that the file stores for each pixel. 3 of them are for the image. In
-// addition, each half of the samples needs 1 word for the number of samples, and 6 words (three doubles) for
-// each sum of radiance.
+// Returns the number of 32-bit words that the file of an unfinished render stores for each pixel. The image
+// has 3 words. Each independent half of the samples has 1 word for the number of samples, and 6 words (RGB
+// doubles) for each sum of radiance.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -43,8 +43,8 @@ std::size_t words_per_pixel(const RenderState& s) {
 }
 
 /// Returns the OpenEXR channels in which an unfinished render is stored. There is one channel for each 32-bit
-/// word of a pixel. Each channel points to its value for the first pixel in `words`. If `words` is null, the
-/// channels point to nothing.
+/// word of a pixel. `words` is the array of all pixels, and each channel gets a pointer to its word of the
+/// first pixel. If `words` is null, the pointers are null.
 std::vector<FlatExr::Channel> channels(const RenderState& s, const std::uint32_t* words) {
     std::vector<FlatExr::Channel> out;
     const auto add = [&](std::string name, ExrChannel::Type type) {
@@ -72,9 +72,9 @@ std::string text_of(const Imf::Header& header, const char* name) {
     return attribute == nullptr ? std::string() : attribute->value();
 }
 
-/// Calls `visit` with each value of a pixel's sums of radiance, in the order of the file's channels. There
-/// are `blocks` sums for red, green and blue. If `open` is not empty, the sums of the unfinished block come
-/// last.
+/// Calls `visit` with each value of a pixel's sums of radiance, in the order of the file's channels. The
+/// samples of a pixel are summed in `blocks` blocks. If `open` is not empty, it holds the sum of an
+/// incomplete block, which comes last.
 template <typename State, typename Visit>
 void each_sum(State& s, std::size_t half, std::size_t pixel, const Visit& visit) {
     const std::size_t values = 3 * s.samples[half].size();
@@ -147,9 +147,9 @@ RenderState::RenderState(int w, int h, int count, double stops, int blocks_apart
 }
 
 std::uint64_t RenderState::bytes(int width, int height, int halves, int blocks, bool with_open) {
-    // Returns the memory that a render needs, in bytes. Each pixel has sums of radiance (24 bytes for each
-    // sum), numbers of samples (4 bytes for each half), a copy of all this in the layout of the file, and its
-    // values in two float images (24 bytes together).
+    // Returns the memory that a render needs, in bytes. Each of the `halves` independent halves of the
+    // samples has `sums` sums of radiance (24 bytes each) and a number of samples (4 bytes). A copy in the
+    // layout of the file and two float images (24 bytes) are added.
     const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     const auto sums = static_cast<std::uint64_t>(blocks) + (with_open ? 1U : 0U);
     return pixels * ((24 * sums + 4) * static_cast<std::uint64_t>(halves) +
@@ -168,7 +168,8 @@ void RenderState::add(const RenderState& part) {
 
 namespace {
 
-/// Returns the sum of a pixel's radiance in colour channel c, over one half of its samples.
+/// Returns the sum of a pixel's radiance in colour channel c over one of the two independent halves of its
+/// samples. The partial sums of the pixel are added: those in `sums`, and the one in `open`.
 double sum_of(const RenderState& s, std::size_t half, std::size_t pixel, std::size_t c) {
     const std::size_t values = 3 * s.samples[half].size();
     double sum = s.sums[half][3 * pixel + c];

@@ -17,22 +17,21 @@ namespace postlens {
 inline constexpr int most_sample_blocks = 64;
 
 /// An unfinished render: the sums of radiance and the numbers of samples of all pixels. The samples of a
-/// pixel are divided into blocks. Each block has its own sum, and the sums are added in a fixed order.
-/// Therefore, the image does not depend on which run (--share) rendered which block.
+/// pixel are divided into blocks with separate sums, which are added in a fixed order. Therefore, the image
+/// does not depend on which run (--share) rendered which block.
 ///
-/// The samples may form two independent halves, which have separate sums. The difference of their two means
-/// shows the noise of the image.
+/// The samples may form two independent halves. The difference of their means shows the noise of the image.
 struct RenderState {
     int width = 0, height = 0, halves = 1;
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
     double exposure_stops = 0;  ///< exposure of the sums
-    /// Sums of radiance times exposure. There are 3 doubles (RGB) for each pixel, and the pixels follow row
-    /// by row. If the samples form two independent halves, each half has its own array. Otherwise, the second
-    /// array is empty.
+    /// Sums of radiance times exposure over the samples of each pixel. There are 3 doubles (RGB) for each
+    /// pixel, and the pixels follow row by row. If the samples form two independent halves, each half has its
+    /// own array. Otherwise, the second array is empty.
     std::array<std::vector<double>, 2> sums;
-    /// Sums of radiance times exposure over the samples of the block that is not yet complete, because only
-    /// complete blocks are added to `sums`. Their layout is that of `sums`. Empty if blocks have one group of
-    /// samples, or if each block has its own sum.
+    /// Sums of the current block of samples, with the layout of `sums`. They are added to `sums` when the
+    /// block is complete, so that the order of additions is fixed. Empty if a block is traced at once, or if
+    /// each block has its own sum in `sums`.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 
@@ -60,15 +59,16 @@ struct RenderPart {
     std::string settings, mark;  ///< as passed to write_state
 };
 
-/// Several runs may share a render (option --share), and each writes its part to a file. Reads such a part.
-/// With `facts_only`, reads only its size, its exposure and whether its samples form two halves. Returns
-/// nothing if the file is not a part of a render. Throws Error(invalid_input) if the part is damaged.
+/// Reads a part of a render, which one of several runs (option --share) has written to a file. If
+/// `facts_only` is true, only the image size, the exposure and the number of halves (independent sets of
+/// samples) are read. Returns nothing if the file is not such a part. Throws Error(invalid_input) if the part
+/// is damaged.
 [[nodiscard]] std::optional<RenderPart> read_render_part(const std::filesystem::path& path,
                                                          bool facts_only = false);
 
-/// Reads an unfinished render from a file that write_state has written. `state` must already have the
-/// render's size and its number of halves, 1 or 2. Throws Error(invalid_input) if the file is damaged, has
-/// other `settings` or is not from write_state.
+/// Reads an unfinished render from a file that write_state has written. The image size and the number of
+/// halves (1 or 2 independent sets of samples) of `state` must already be set. Throws Error(invalid_input) if
+/// the file is damaged, has other `settings` or is not from write_state.
 void read_state(const std::filesystem::path& path, const std::string& settings, RenderState& state);
 
 }  // namespace postlens

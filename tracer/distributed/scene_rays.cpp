@@ -18,9 +18,10 @@ SceneRays::SceneRays(const RenderSetup& setup, const DistributedSettings& settin
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.has_extent(); });
     for (const Object& o : scene.objects) {
         const Material& m = scene.materials[o.material];
-        // Finds the objects whose radiance is noisy when rays compute it. Rays choose directions in glossy
-        // lobes and points of area lights at random, so each ray returns another value for such a surface.
-        // The sample file stores the mean radiance instead, so a single ray cannot be compared with it.
+        // Adds the object to `unsteady_` if the radiance that a single ray returns for it is noisy. There is
+        // noise if the material has a glossy lobe, or if it is lit by area lights, because rays choose
+        // directions in the lobe and points of the lights at random. Such a ray cannot be compared with the
+        // mean radiance that the sample file stores.
         if (m.has_lobe() || (sampled && m.answers_lights())) unsteady_.insert(o.id);
         if (m.has_lobe()) steady_mirrors_ = false;
     }
@@ -88,8 +89,9 @@ void SceneRays::aim(std::span<const SightLine> lines, EyeRays& eye) const {
     for (std::size_t first = 0; first < lines.size(); first += group_size) {
         const std::size_t count = std::min(group_size, lines.size() - first);
         for (std::size_t i = 0; i < group_size; ++i) {
-            // The camera always makes 16 rays at once. If fewer than 16 lines are left, `count`, the last one
-            // is repeated until there are 16. The rays of these copies are removed after this loop.
+            // The camera makes rays in groups of 16, one for each element of `lines`. The last group may have
+            // only `count` elements. Then the last element is repeated until there are 16 rays, and these
+            // additional rays are removed from `eye.rays` below.
             const SightLine& line = lines[first + std::min(i, count - 1)];
             samples.x[i] = static_cast<float>(line.x + line.place.x);
             samples.y[i] = static_cast<float>(line.y + line.place.y);

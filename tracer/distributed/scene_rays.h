@@ -1,5 +1,6 @@
-// Traces rays that start at given points of the lens. They replace the parts of an image that recorded
-// samples would make wrong. Surfaces are shaded as by the command `render`.
+// Traces rays that start at given points of the lens. These rays replace those parts of an image that would
+// be wrong if they were made from recorded surfaces, for example because a surface is not recorded there.
+// Surfaces are shaded as by the command `render`.
 #pragma once
 
 #include <mutex>
@@ -13,8 +14,8 @@ namespace postlens {
 
 class SceneRays : public SightRays {
   public:
-    /// Prepares to trace rays through the scene of `setup`. They compute the radiance of view samples that
-    /// the recorded surfaces do not determine.
+    /// Prepares to trace rays through the scene of `setup`, for points of views that the recorded surfaces do
+    /// not determine. A view is the image for one lens point and instant.
     /// - `setup`: must outlive this object; its camera must not have a lens prescription (a real lens),
     ///   because these rays start at given points of an ideal lens
     /// - `lines`: largest number of rays per pixel
@@ -27,9 +28,9 @@ class SceneRays : public SightRays {
     void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
-    /// The reflections in a pixel can be drawn from recorded pieces of surfaces, or a ray can be traced
-    /// instead. Returns the number of pieces up to which drawing is used. Drawing 32 flat pieces takes as
-    /// long as tracing one ray, as measured on six scenes.
+    /// Returns the number of recorded patches (flat parts of surfaces) per ray up to which reflections are
+    /// drawn from patches and not traced. Drawing 32 patches takes as long as tracing one ray, as measured on
+    /// six scenes.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
     /// Returns the number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;

@@ -239,10 +239,9 @@ dvec3 local_normal(const AnalyticShape& shape, int part, const dvec3& p) {
 dmat3 local_shape_operator(const AnalyticShape& shape, int part, const dvec3& p) {
     if (shape.kind == AnalyticShape::Kind::sphere) return tangential(glm::normalize(p));
     if (shape.kind != AnalyticShape::Kind::cone || part != part_lateral) return dmat3(0);
-    // The normal of a cone is (e, -k) / norm. Here e = (x, y) / rho is the unit vector that points away from
-    // the axis, k is the change of the radius per height, and norm = sqrt(1 + k^2).
-    // Only e varies over the surface. Its derivative is (I - e e^T) / rho, so the derivative of the normal is
-    // (I - e e^T) / (rho * norm).
+    // Returns the derivative of a cone's normal with respect to position. The normal is (e, -k) / norm, where
+    // e is the unit vector away from the axis, and k and norm are constants. The derivative of e is (I - e
+    // e^T) / rho, where rho is the distance from the axis.
     const ConeAt at = cone_at(shape, p);
     const dvec2 e = at.outward;
     const double s = 1 / (at.rho * at.norm);

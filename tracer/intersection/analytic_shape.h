@@ -36,8 +36,9 @@ struct PlacedShape {
 /// Empty for a mesh.
 [[nodiscard]] std::optional<PlacedShape> place_shape(const Shape& shape);
 
-/// The distances t at which a line o + t d crosses a shape, unsorted. `part` is the face or cap of each
-/// crossing.
+/// The points where a line o + t d crosses a shape. Each crossing is given by its parameter t. The crossings
+/// are not sorted. `part` tells on which part of the shape each of them lies, such as a face of a box or a
+/// cap of a cone.
 template <typename T>
 struct Crossings {
     int count = 0;

@@ -79,10 +79,9 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     };
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
-    // Embree interpolates the bounding box of a moving shape linearly between time steps. `excess` is how far
-    // the shape extends beyond the interpolated box at the instants that are tested. Between these instants,
-    // it may extend farther. This additional distance is limited by `bend`, the second difference of the
-    // exact bounds.
+    // Measures how far a moving shape extends beyond the boxes that Embree interpolates linearly between time
+    // steps. `excess` is how far it does so at the tested instants. `bend`, the second difference of
+    // successive exact boxes, limits how much farther it extends in between.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

@@ -10,7 +10,9 @@
 
 namespace postlens {
 
-/// How accurately moving meshes must be placed in the image. Their motion is approximated by linear steps.
+/// Accuracy with which moving meshes appear at the right position in the image. Embree moves a mesh linearly
+/// between a few instants, so at other instants its position has an error. This error should be at most
+/// `tolerance_px`.
 struct MotionAccuracy {
     /// Returns the scale of the image, px per metre, at a world point and an instant. 0 behind the camera.
     std::function<double(const glm::dvec3& world, double time_s)> px_per_m;
@@ -24,17 +26,16 @@ inline constexpr int most_motion_steps = 128;
 /// Between these instants, Embree interpolates each entry of the matrices linearly.
 struct MotionSteps {
     std::vector<glm::dmat4> world_from_object;
-    /// Largest error, px, that replacing the motion by linear steps causes at a corner of the object's
-    /// bounding box.
-    /// It may exceed the tolerance, because the number of steps is limited.
+    /// Largest error, px, of the mesh's position in the image, measured at the corners of its bounding box.
+    /// It arises because the mesh moves linearly between the matrices above instead of along its exact path.
+    /// It may exceed MotionAccuracy::tolerance_px, because the number of steps is limited.
     double error_px = 0;
 };
-/// Approximates the motion of a mesh by linear steps, and returns the fewest steps with an error of position
-/// within the tolerance of `accuracy`. Their number is a power of two, at most most_motion_steps. The mesh is
-/// moved first by the matrix `base` and then by `path`. `box` is its bounding box before both, and the error
-/// is measured at its corners.
-///
-/// No keyframe of `path` may lie between begin_s and end_s.
+/// Divides the motion of a mesh from begin_s to end_s into steps in which it moves linearly. Returns the
+/// smallest number of steps, a power of two up to most_motion_steps, for which the error at the corners of
+/// `box` is within the tolerance. No keyframe of `path` may lie between begin_s and end_s.
+/// - `base`: places the mesh in its rest position; `path` then moves it
+/// - `box`: bounding box of the mesh before `base` and `path`
 [[nodiscard]] MotionSteps motion_steps(const MotionPath& path, const glm::dmat4& base, const Bounds& box,
                                        double begin_s, double end_s, const MotionAccuracy& accuracy);
 

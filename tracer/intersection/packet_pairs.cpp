@@ -66,9 +66,8 @@ template <int N>
     }
 }
 
-// Finds the first and the last crossing of each of N rays with a cone. These are all its crossings. If the
-// cone has caps, it is convex, so a ray crosses it at most twice. Without caps, there are at most two
-// crossings as well, because the lateral surface is a quadric.
+// Finds the first and the last crossing of each of N rays with a cone. There are no others, because a cone
+// with caps is convex, and the lateral surface alone is a quadric, which a ray crosses at most twice.
 template <int N>
 [[gnu::always_inline]] inline void cone_lanes(const AnalyticSet::Item& item, const Rays& rays, Pairs& out) {
     alignas(64) float o[3][N], d[3][N];
@@ -90,9 +89,9 @@ template <int N>
         const float discriminant = half_b * half_b - a * c;
         const bool real = discriminant >= 0;
         const float q = -(half_b + std::copysign(std::sqrt(real ? discriminant : 0.0F), half_b));
-        // Solves a t^2 + 2 half_b t + c = 0 for the two ray parameters at which the ray crosses the cone.
-        // Both terms of `q` have equal signs, so no digits cancel. The solutions are q / a and c / q. If q is
-        // 0, the ray can only touch the cone at t = 0.
+        // Computes the ray parameters t0 and t1 at which the ray crosses the infinite cone. They are the
+        // solutions q / a and c / q of a t^2 + 2 half_b t + c = 0, where q is computed without cancellation
+        // of digits. If q is 0, the ray can only touch the cone at t = 0.
         const float t0 = q / a, t1 = q == 0 ? 0.0F : c / q;
         const float z0 = pz + t0 * dz, z1 = pz + t1 * dz;
         const bool on0 = real & (a != 0) & (z0 >= 0) & (z0 <= h) & (r0 + k * z0 >= 0);
@@ -158,8 +157,8 @@ bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n, c
     if (context.sources == nullptr) return true;
     for (unsigned i = 0; i < n; ++i) {
         if (valid[i] == 0 || !leaves(context, rays.id[i], geometry, primitive)) continue;
-        // The ray starts on this shape. Therefore, its crossing nearest to distance 0 is the ray's own origin
-        // and not a hit.
+        // The ray starts on this shape. So the crossing whose distance is nearer to 0 is its own origin, and
+        // is removed.
         float& start = std::abs(out.far[i]) < std::abs(out.near[i]) ? out.far[i] : out.near[i];
         start = std::numeric_limits<float>::infinity();
     }

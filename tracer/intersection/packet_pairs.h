@@ -12,9 +12,10 @@ struct Pairs {
     alignas(64) float near[16], far[16];
 };
 
-/// Finds where n = 8 or 16 rays cross the shape `item`. Returns false for other n or unsupported shapes.
-/// If a ray starts on the shape, the crossing at its origin is omitted.
-/// `geometry` and `primitive` are Embree's ids of the shape.
+/// Finds where a packet of n rays crosses the shape `item`, which can be crossed twice, and writes the two
+/// distances of each ray to `out`. If a ray starts on the shape, the crossing at its origin is omitted.
+/// `geometry` and `primitive` are Embree's ids of the shape. Returns false if n is not 8 or 16, or if the
+/// kind of shape is not supported.
 [[nodiscard]] bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n,
                                 const RayContext& context, unsigned geometry, unsigned primitive,
                                 const int* valid, Pairs& out);

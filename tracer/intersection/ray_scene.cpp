@@ -62,7 +62,8 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     constexpr std::size_t n = RayBatch::group;
     const std::size_t left = std::min(n, static_cast<std::size_t>(rays.count) - first);
     const auto copy = [&](float* to, const std::vector<float>& from) {
-        // Reading past the last ray is safe, because the capacity of the arrays is a multiple of 16.
+        // Copies 16 values from index `first` on, even if the batch has fewer rays left. This is safe,
+        // because the size of each array is a multiple of 16.
         std::memcpy(to, from.data() + first, n * sizeof(float));
     };
     copy(p.org_x, rays.ox);
@@ -87,8 +88,9 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     }
 }
 
-// A moving mesh has one instance per keyframe interval. Embree 3.13 may report the wrong instance if the rays
-// of a packet span several intervals. Rejects such hits.
+// Rejects hits at the wrong instance of a moving mesh. Each interval between keyframes has its own Embree
+// instance. If the rays of a packet have times in different intervals, Embree 3.13 may report an instance
+// that does not exist at the ray's time.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {
@@ -101,8 +103,8 @@ void filter_absent(const RTCFilterFunctionNArguments* args) {
     context.log_transmission == nullptr ? filter_source(args) : filter_shadow(args);
 }
 
-// Traces the shadow rays of a packet one at a time. Traced together, Embree may report a crossing of a
-// surface twice, and the transmittance would be applied twice.
+// Traces the shadow rays of a packet one by one. If Embree traced the packet as a whole, it might report the
+// same crossing of a ray and a surface twice. Then the surface's transmittance would be applied twice.
 void occlude_singly(RTCRay16& p, const int* valid, RTCScene scene, RayContext& context) {
     for (unsigned i = 0; i < RayBatch::group; ++i) {
         if (valid[i] == 0) continue;

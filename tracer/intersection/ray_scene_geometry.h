@@ -14,9 +14,9 @@
 
 namespace postlens {
 
-/// Tells how an object affects shadow rays. Its transmittance for each colour channel is stored as -log2 in
-/// fixed point, i.e. as an integer. These integers are added along a ray, so it does not matter in which
-/// order the ray meets the surfaces.
+/// Tells how an object affects shadow rays. For each colour channel, `log_transmission` is -log2 of the
+/// fraction of light that passes one surface of the object, as a fixed-point integer. The sum of these
+/// integers along a ray does not depend on the order of the surfaces.
 struct ObjectShadow {
     bool casts = true;
     bool transmits = false;
@@ -26,7 +26,8 @@ inline constexpr std::int64_t log_opaque = std::int64_t{1} << 50;
 [[nodiscard]] std::int64_t fixed_log(double transmission);
 [[nodiscard]] double from_fixed_log(std::int64_t sum);
 
-/// Interval [begin, end) in which an Embree instance of a mesh exists, as fractions of the shutter interval.
+/// Interval of time [begin, end) in which an Embree instance of a moving mesh exists. There is one instance
+/// for each interval between keyframes. The times are fractions of the shutter interval.
 struct Lifetime {
     float begin = 0, end = std::numeric_limits<float>::infinity();
 };

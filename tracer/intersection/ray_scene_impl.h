@@ -23,8 +23,9 @@ struct MeshGeometry {
     RTCScene scene = nullptr;  // only for a shared mesh
 };
 
-// A triangle in world space, for computing exact hit points. `gradient1` and `gradient2` are the gradients of
-// two barycentric coordinates with respect to position.
+// A triangle in world space, with what is needed to compute exact hit points. `gradient1` and `gradient2` are
+// the gradients, with respect to position, of the barycentric coordinates (weights) of the second and the
+// third corner.
 struct TriangleFrame {
     const MeshGeometry* mesh;
     std::uint32_t object;

@@ -98,12 +98,12 @@ SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3
     const dmat3 base(item.local_from_base);
     LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
                  base * pose.unmoved_direction(d), t};
-    // The matrix `base` maps directions from the world, as it is before the object's motion, to the shape's
-    // own frame. A direction in the shape's frame is therefore mapped to the world by inverse(base), and then
-    // by the motion's scale and rotation. Normals are transformed by the inverse transpose of this product,
-    // which is rotation * (1 / scale) * transpose(base).
+    // Returns the surface normal in world space. A direction in the shape's frame is mapped to the world by
+    // inverse(base), and then by the scale and the rotation of the motion (`pose`). A normal is mapped by the
+    // inverse transpose: rotation * (1 / scale) * transpose(base).
     return solved_surface(item, hit, o, d, normals, [&](const LocalHit& at) {
         const dvec3 n = local_normal(item.shape, at.part, at.position());
+        // n * base is transpose(base) * n.
         return glm::normalize(pose.rotation * ((n * base) / pose.scale));
     });
 }
@@ -186,9 +186,9 @@ dmat3 RayScene::Impl::shape_operator(const HitKey& key, const SurfacePoint& at) 
     const Entry& entry = entries[key.instance == HitKey::none ? key.geometry : key.instance];
     if (entry.kind == Kind::spheres) return across / spheres.exact_radius[key.primitive];
     if (entry.kind == Kind::analytic) {
-        // Returns the derivative of the surface normal, transformed from the shape's frame to world space.
-        // `linear` maps directions from world space to the shape's frame. Therefore, its transpose maps
-        // normals from the shape's frame to world space.
+        // Returns the derivative of the surface normal with respect to position, in 1/m. In the shape's own
+        // frame, it is local_shape_operator. Positions are mapped to this frame by `linear`, and normals back
+        // by its transpose. The division and `across` keep the normal at unit length.
         const AnalyticSet::Item& item = analytic.items[key.primitive];
         const dmat3 linear(item.local_from_world);
         const dvec3 local(item.local_from_world * glm::dvec4(at.position, 1));

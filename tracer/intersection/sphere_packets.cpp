@@ -54,8 +54,8 @@ template <int N>
             if (args->valid[i] == 0) continue;
             const HitKey& from = context.sources[rays.id[i]];
             if (from.geometry != args->geomID || from.primitive != args->primID) continue;
-            // Handles a ray that starts on this sphere. The crossing whose distance is nearest to 0 is the
-            // ray's own origin, so only the other crossing counts as a hit.
+            // Handles a ray that starts on this sphere. The ray crosses the sphere at two distances, `near`
+            // and `far`. The one closer to 0 is the ray's own origin, and only the other one counts as a hit.
             const float other = std::abs(near[i]) < std::abs(far[i]) ? far[i] : near[i];
             const bool hit = near[i] <= far[i] && other > rays.tnear[i] && other <= rays.tfar[i];
             t[i] = hit ? other : std::numeric_limits<float>::infinity();
@@ -160,7 +160,8 @@ void occlude_spheres_n(const RTCOccludedFunctionNArguments* args) {
 void sphere_bounds(const RTCBoundsFunctionArguments* args) {
     const auto& set = *static_cast<const SphereSet*>(args->geometryUserPtr);
     const glm::vec3 c = set.centre[args->primID];
-    // The box is slightly larger than the sphere, because rounding may place a hit just outside the sphere.
+    // Sets the bounding box that Embree uses for the sphere. It is slightly larger than the sphere, because
+    // rounding may place a hit just outside the sphere.
     const float grown = set.radius[args->primID] * 1.000001F +
                         4e-7F * std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
     *args->bounds_o = {c.x - grown, c.y - grown, c.z - grown, 0, c.x + grown, c.y + grown, c.z + grown, 0};

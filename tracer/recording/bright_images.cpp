@@ -16,8 +16,9 @@ using glm::dmat2;
 using glm::dvec2;
 using glm::dvec3;
 
-/// The volume between four reflected or refracted rays, those of the corners of a quadtree cell.
-/// Bright objects in this volume may be visible in the cell.
+/// The space between four rays: those that arrive, after the same reflections and refractions, from the
+/// corners of a quadtree cell. A bright object in this space may be visible in the cell, in a mirror or in
+/// glass.
 struct Beam {
     explicit Beam(const std::array<const Arrival*, 4>& at) {
         for (std::size_t k = 0; k < 4; ++k) {
@@ -80,11 +81,10 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
         if (!(sizes[1] > 0 && sizes[2] <= 4 * sizes[1])) continue;  // long objects are not compact
         spheres_.push_back({(b.min + b.max) / 2.0, sizes[1], brightness});
     }
-    // Limits the number of bright objects, because mirrors and glass show images of them, and each image
-    // needs about `cells_of_image` quadtree cells. Each object is assumed to appear twice in every mirror or
-    // glass object. If their images together need more than `most_cells` cells, only the objects that emit
-    // the most light are kept.
+    // Largest number of bright objects whose images in mirrors and glass together need at most `most_cells`
+    // quadtree cells. Each object is assumed to appear twice in every mirror or glass object.
     const double most = most_cells / (cells_of_image * 2 * std::max(mirrors, 1.0));
+    // If there are more, only the objects that emit the most light are kept.
     if (static_cast<double>(spheres_.size()) > most) {
         std::stable_sort(spheres_.begin(), spheres_.end(), [](const Sphere& a, const Sphere& b) {
             return a.brightness * a.radius * a.radius > b.brightness * b.radius * b.radius;
@@ -128,25 +128,26 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const double determinant = glm::determinant(by_cell);
         if (determinant == 0) return;
         const dmat2 cell_by = glm::inverse(by_cell);
+        // `image` is the position of the centre of the bright sphere's image in a mirror or in glass,
+        // relative to the centre of the quadtree cell. `reach` holds the image's half-widths. Both are in
+        // cell widths.
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
         // Tests whether the image of the bright sphere `s` in a mirror or in glass overlaps the quadtree
-        // cell. Positions are relative to the cell's centre and in cell widths, so the cell's half-width is
-        // 0.5. `image` is the centre of the sphere's image, and `reach` holds the image's half-widths. The
-        // half-widths of the cell and of the image are enlarged by a tenth, because `image` is only a linear
-        // approximation.
+        // cell. The half-widths of the cell (0.5) and of the image are enlarged by a tenth, because the
+        // position is computed by a linear approximation.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;
-        // The mirror or glass shows the bright sphere `s` as an ellipse. `half` is half the ellipse's smaller
-        // width, in cell widths. It is the smaller singular value of the matrix s.radius * cell_by, where
-        // `cell_by` converts metres at the sphere to cell widths. `squares` is half the sum of the squares of
-        // both singular values, and `area` is their product.
+        // A mirror or glass shows the bright sphere `s` approximately as an ellipse. `squares` is half the
+        // sum of its squared half axes, and `area` is their product. The half axes are the singular values of
+        // s.radius * cell_by, where `cell_by` converts metres at the sphere to cell widths.
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);
         const double root = std::sqrt(std::max(0.0, squares * squares - area * area));
+        // The smaller half axis of the image of the bright sphere, in widths of the quadtree cell.
         const double half = area / std::sqrt(squares + root);
         const double width_px = 2 * half * size_px;
         constexpr double finest = 1.0 / (1 << most_levels);

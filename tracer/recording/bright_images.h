@@ -27,22 +27,24 @@ class BrightImages {
   public:
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 5;
-    /// Approximate number of quadtree cells into which pixels are divided to record one image of a bright
-    /// object in a mirror or in glass.
+    /// Approximate number of quadtree cells that one image of a bright object in a mirror or in glass needs.
+    /// Eye rays through the corners of these cells record the image.
     static constexpr double cells_of_image = 200;
 
     /// Contains no objects.
     BrightImages() = default;
-    /// Collects the bright objects of the scene at the instant `time_s`, to find their images in mirrors and
-    /// glass. Recording each image needs many quadtree cells. If all images together may need more than
-    /// `most_cells` cells, only the objects that emit the most light are kept.
+    /// Collects the bright objects of the scene at the instant `time_s`. Later, their images in mirrors and
+    /// glass are searched for, and pixels that contain such an image are divided into many quadtree cells. If
+    /// all images together may need more than `most_cells` cells, only the objects that emit the most light
+    /// are kept.
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns how small the quadtree cells inside a given cell must be, so that all images of bright objects
-    /// in mirrors and glass are recorded. Such an image lies in the cell if a bright object lies between the
-    /// rays from the cell's corners.
-    /// - `at`: rays from the four corners of the given cell, row by row, all after the same bounces
+    /// Returns how small the parts of a given quadtree cell must be to record the images of bright objects in
+    /// mirrors and glass. The cell contains such an image if a bright object lies in the space between four
+    /// rays: those that arrive, after the same bounces, from the cell's corners. If it contains none, the
+    /// result is infinity, i.e. no limit.
+    /// - `at`: these four rays, row by row
     /// - `size_px`: width of the given cell, px
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 

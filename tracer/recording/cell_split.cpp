@@ -52,9 +52,9 @@ bool CellSplit::pattern_between(const Seen* s, int count) const {
 }
 
 void CellSplit::mark_leaf(const CornerCell& c) const {
-    // Tests whether the outline of a mesh crosses this undivided quadtree cell. Only a cell that has reached
-    // the limit `edge_levels` of the subdivision is tested. A larger cell is not crossed by an outline,
-    // because splits() would have divided it otherwise.
+    // Marks the records of an undivided quadtree cell if the outline of a mesh passes between its corners.
+    // Such a cell is normally divided. It can be left undivided only if it has already reached the limit
+    // `edge_levels`, i.e. the greatest depth of subdivision at edges. So larger cells need no test.
     const bool ends_edges = !is_larger(c, settings_.edge_levels);
     if (ends_edges && outline_between(c)) {
         for (const std::uint32_t corner : c.corner)
@@ -159,11 +159,12 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
         texels[k] = texture->colour_at(s[i].chunk->sources[node[k]].place);
     }
     for (int channel = 0; channel < 3; ++channel) {
-        // Estimates the radiance between the samples of the cell from the colour of the surface's texture, as
-        // times * colour + plus, for each colour channel. `times` is the largest ratio of the surface's
-        // radiance to its texture colour at the samples, so that contrast is not underestimated. `plus` is
-        // the smallest difference between a sample's whole radiance, with reflections and refractions, and
-        // times * colour, but at least 0.
+        // Estimates the radiance between the samples of the quadtree cell, because the texture may have finer
+        // details there. In each colour channel, the estimate is a linear function of the texture's colour:
+        // times * colour + plus. `times` is the largest ratio of the surface's radiance to its texture colour
+        // at the samples, so that contrast is not underestimated. `plus` stands for radiance that does not
+        // depend on the texture, such as reflections. It is the least that remains of a sample's radiance
+        // without times * colour, and at least 0.
         double times = 0, plus = HUGE_VAL;
         std::array<double, most_samples> texel{};
         for (int i = 0; i < count; ++i) {

@@ -1,4 +1,6 @@
-// Decides whether a quadtree cell is divided, from the surfaces recorded at its corners.
+// Decides which pixels are divided into quarters, and which of these quadtree cells are divided further. A
+// cell is divided if the eye rays through its corners see different surfaces or colours, or if a small object
+// may lie between them.
 #pragma once
 
 #include <array>
@@ -17,7 +19,8 @@ namespace postlens {
 /// The criteria by which sample_corners divides cells.
 class CellSplit {
   public:
-    /// Keeps references to all arguments. The contents of `samples` and `chunks` may change between calls.
+    /// Keeps references to all arguments, in order to decide later which quadtree cells are divided. Between
+    /// the calls of splits(), the caller may trace further samples and add them to `samples` and `chunks`.
     CellSplit(const WhittedTracer& tracer, const SmallThings& things, const SubdivisionSettings& settings,
               const CornerGrid& grid, const std::vector<CornerSample>& samples,
               std::vector<TracedSamples>& chunks)
@@ -29,23 +32,25 @@ class CellSplit {
           chunks_(chunks) {}
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
-    /// Returns true if the eye ray through the cell's centre sees something else than the eye rays through
-    /// the cell's corners. `centre` is the index of the sample at the centre.
+    /// Returns true if the eye ray through the centre of the quadtree cell `c` sees a different surface or
+    /// colour than those through its corners. `centre` is the index of the sample that the ray through the
+    /// centre gave.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
-    /// Sets flags in the records (surface hits) at the corners of an undivided quadtree cell if the image may
-    /// have details between the corners:
+    /// Handles a quadtree cell that is not divided further. If the image may nevertheless have details
+    /// between its corners, flags are set in the records (surface hits) at the corners:
     /// - `fine_texture`: the texture has contrast there, but the limit `colour_levels` forbids further
     ///   division.
-    /// - `gap`: the cell shows several parts of one object or the outline of another part, but the limit
-    ///   `edge_levels` forbids further division.
+    /// - `gap`: either the corners show different parts of one object, such as leaves of a tree, or the
+    ///   outline of a part lies between them. But the limit `edge_levels` forbids further division.
     ///
     /// Thread-safe.
     void mark_leaf(const CornerCell& c) const;
 
   private:
-    /// One shading tree of a sample: a surface that the sample's eye ray hits, either visible or hidden
-    /// behind others, and all surfaces that are seen in it by reflection or refraction. `first` is the index
-    /// of the tree's first record in `chunk`, and `count` is its number of records.
+    /// One surface that a sample's eye ray hits, visible or hidden behind others, with all surfaces that are
+    /// seen in it by reflection or refraction. This group is called a shading tree. Its records are
+    /// consecutive elements of the buffer `chunk`: `count` records from the index `first` on. `id`, `part`,
+    /// `path` and `rgb` describe the first record.
     struct Seen {
         std::uint32_t id = 0, part = 0;
         NodePath path;
@@ -72,13 +77,15 @@ class CellSplit {
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// `s` holds `count` shading trees of different samples. Takes the surface point number n of the first
-    /// tree and finds its counterpart in every other tree: the point of the same object after the same
-    /// bounces. Returns false if a tree has no counterpart.
+    /// Finds the same object in several samples, to compare it between them. Each of the `count` elements of
+    /// `s` describes one sample: an eye ray with all its reflections and refractions. The object is given by
+    /// surface hit number n of the first sample. `out` gets the index of a hit of this object after the same
+    /// bounces in every sample. Returns false if one is missing.
     [[nodiscard]] static bool nodes_like(const Seen* s, int count, std::uint32_t n, NodeOfEach& out);
-    /// Returns the index of the surface point in the shading tree `in` that is reached by the sequence of
-    /// bounces `path`. Tests the index `guess` first. It is the index of this point in another tree, and the
-    /// trees at a cell's corners are mostly alike.
+    /// Returns the index of a surface hit in `in`, which describes one sample, i.e. an eye ray with all its
+    /// reflections and refractions. The hit is given by `path`, the sequence of bounces before it. The index
+    /// `guess` is tested first. It is the index at which another sample has its hit with this path, and
+    /// neighbouring samples mostly have the same paths in the same order.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
     /// Like node_of_path, but also requires the id of `wanted`.
@@ -97,21 +104,22 @@ class CellSplit {
         return {visible_layer(c.corner[0]), visible_layer(c.corner[1]), visible_layer(c.corner[2]),
                 visible_layer(c.corner[3])};
     }
-    /// The records of a sample form several shading trees, one for each visible or hidden surface on the eye
-    /// ray. Sets `out` to the tree whose first record has the index `at`. Then advances `at` past the tree's
-    /// last record.
+    /// Reads the records of a sample step by step. They are grouped: one group for each visible or hidden
+    /// surface on the eye ray, with all surfaces that are seen in it by reflection or refraction. Sets `out`
+    /// to the group that begins with record number `at`, and advances `at` to the next group.
     void take_layer(const CornerSample& s, std::uint32_t& at, Seen& out) const;
-    /// Returns true if the quadtree cell `c` must be divided, because it may contain a narrow object that the
-    /// eye rays at all corners of the cell miss. If `hidden` is false, objects behind all surfaces that are
-    /// visible at the cell's corners are ignored.
+    /// Returns true if the quadtree cell `c` must be divided because of a narrow object, which all eye rays
+    /// through the cell's corners may miss. If `hidden` is true, any narrow object in the cell counts. If it
+    /// is false, an object counts only if it is nearer than the farthest surface that is visible at the
+    /// corners, because otherwise it is hidden.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
-    /// Returns true if all corners of the quadtree cell `c` show the same part of an object, but the outline
-    /// of a nearer part crosses the cell between them. The nearer part may belong to the same object, such as
-    /// another leaf of the same tree.
+    /// Returns true if the outline of a nearer part of an object crosses the quadtree cell `c`, although all
+    /// corners of the cell show the same part behind it. The nearer part may belong to the same object, such
+    /// as another leaf of the same tree.
     [[nodiscard]] bool outline_between(const CornerCell& c) const;
-    /// Returns true if the cell must be divided, because it may contain the image of a small bright object in
-    /// a mirror or in glass. `s` holds the visible surfaces at the cell's four corners, each with the
-    /// surfaces that are seen in it by reflection or refraction.
+    /// Returns true if the quadtree cell `c` must be divided because of a mirror or glass, which may show a
+    /// small bright object inside the cell. `s` describes the samples at the cell's four corners: the visible
+    /// surface, with the surfaces that are seen in it by reflection or refraction.
     [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const;

@@ -1,4 +1,6 @@
-// The grid of all positions at which quadtree cells may have corners, and the samples traced at corners.
+// Positions and samples of the quadtree cells into which pixels are divided. A grid contains all positions at
+// which a cell may have a corner. Where a corner exists, an eye ray is traced through it, and the result is
+// its sample.
 #pragma once
 
 #include <array>
@@ -43,9 +45,10 @@ struct CornerGrid {
     }
 };
 
-/// A sample at a corner of one or more quadtree cells, i.e. the result of one eye ray. Its values (id, part,
-/// depth and colour) decide whether these cells are divided. Its records (surface hits) lie in an array of
-/// buffers: `count` records from the index `first` on in buffer number `chunk`.
+/// The result of one eye ray, through a corner of one or more quadtree cells. The object that it hits first,
+/// given by its id and connected part, and the depth and colour decide whether these cells are divided. All
+/// its surface hits are stored as records in a list of buffers: in buffer number `chunk`, `count` records
+/// from the index `first` on.
 struct CornerSample {
     std::uint32_t x = 0, y = 0;  ///< grid units
     std::uint32_t chunk = 0, first = 0, count = 0;

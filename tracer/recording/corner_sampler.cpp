@@ -26,8 +26,9 @@ constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
 
-// Rows are traced in groups that begin at multiples of `rows`. Returns the end of the group that contains row
-// y. The groups do not depend on the first row that is traced, and so the records do not either.
+// Returns the end of the group of pixel rows that contains row y. Rows are traced in groups, which begin at
+// multiples of `rows`. So row y always belongs to the same group, even if the tracing begins at another row.
+// Therefore, its records, which may depend on others of the group, are always the same.
 int next_multiple(int y, int rows) {
     return (floor_div(y, rows) + 1) * rows;
 }
@@ -59,9 +60,10 @@ class BandSampler {
     }
 
   private:
-    // Returns the end of the rows of records for the pixel rows before `y_end`. A sample belongs to the row
-    // whose upper edge or interior contains it. So the samples on the lower edge of a pixel row belong to the
-    // next row. Therefore, the last pixel row of the window is followed by one more row of records.
+    // Returns up to which row (exclusive) the records are complete when the pixel rows before `y_end` have
+    // been traced. A sample on the edge between two pixel rows belongs to the lower one. So n pixel rows
+    // complete n rows of records. Only below the last pixel row of the window, the samples on its lower edge
+    // form one more row.
     [[nodiscard]] int end_of_records(int y_end) const {
         return y_end == grid_.window.y_end ? y_end + 1 : y_end;
     }
@@ -73,8 +75,9 @@ class BandSampler {
         return corners_[corner_index(column, row)];
     }
 
-    // Traces eye rays in parallel batches of sizes[i] rays. `fill` sets the raster positions of a batch, and
-    // `traced` receives each sample. All functions must be thread-safe.
+    // Traces eye rays in batches, in parallel. Batch i consists of sizes[i] rays. `fill` sets the raster
+    // positions of the rays of a batch. After tracing, `traced` is called with the result of each ray. All
+    // functions must be thread-safe.
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
                const std::function<SamplesAround(CornerKey)>& around = {}, bool for_comparison = false) {
@@ -192,7 +195,9 @@ class BandSampler {
     }
 
     // Makes sample number i available to the current band of pixel rows. The sample lies on the upper edge of
-    // the band. It was already traced with the band above, so it is not traced again.
+    // this band, and was traced with the band above. If it is a corner of a pixel, its index is stored in
+    // `corners_`. Otherwise, it is stored in `carried_over_` under its raster position, so that it is not
+    // traced again.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {
@@ -204,9 +209,9 @@ class BandSampler {
     }
 
     using CellRows = std::vector<std::vector<CornerCell>>;  // one list of cells for each row of pixels
-    // A raster point through which an eye ray must still be traced, to divide a quadtree cell. When the ray
-    // has been traced, the index of the new sample is written to `*sample`, which is an element of the cell's
-    // list CornerCell::between.
+    // A raster point whose sample is missing although a quadtree cell needs it to be divided into quarters.
+    // An eye ray is then traced through this point, `key`. The index of the resulting sample is written to
+    // `*sample`. This is an element of CornerCell::between, the cell's list of samples at the new corners.
     struct Missing {
         CornerKey key;
         std::uint32_t* sample;
@@ -232,8 +237,10 @@ class BandSampler {
                 {}};
     }
 
-    // Decides which pixels are divided. Small objects may lie between pixel corners, so the pixels left and
-    // right of a divided pixel are also sampled at their centre.
+    // Decides which pixels are divided. First, the samples at the corners of each pixel are compared. Beside
+    // a divided pixel, an object may lie between the corners of a pixel and so be missed. Therefore, the
+    // pixels on the left and on the right of a divided pixel get a sample at the centre, which is compared,
+    // too.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
         const int columns = grid_.columns - 1;
@@ -271,8 +278,8 @@ class BandSampler {
         return cells;
     }
 
-    // Traces the centres of quadtree cells. Adds those cells to `divided` whose centre looks different from
-    // their corners.
+    // Traces an eye ray through the centre of each of the `cells`, which are quadtree cells. If it sees a
+    // different surface or colour than the rays through the cell's corners, the cell is added to `divided`.
     void compare_centres(const CellRows& cells, CellRows& divided) {
         std::vector<CornerKey> centres;
         std::vector<std::size_t> first_of_row;
@@ -297,13 +304,15 @@ class BandSampler {
         used_chunks_ = chunks;
     }
 
-    // Traces eye rays through the centre of every quadtree cell and through the midpoints of its sides, as
-    // far as these points have no sample yet. A midpoint that several cells share is traced only once.
+    // Prepares `cells`, quadtree cells that are to be divided into quarters. The quarters have five new
+    // corners: the cell's centre and the midpoints of its sides. An eye ray is traced through each of these
+    // points that has no sample yet. If several cells share a midpoint, it is traced only once.
     void trace_missing(CellRows& cells, int y_begin, int y_end) {
-        // Lists of the raster points to trace, one list for each pixel row. `inside` holds the points that
-        // are found in their own row. `below` holds the points on a row's upper edge that are found in the
-        // row above, so that rows can be searched in parallel. Both have one list more than there are rows,
-        // because the last row's lower edge needs one.
+        // The raster points through which eye rays are to be traced, in lists for each pixel row. A point
+        // belongs to the row that contains it or whose upper edge contains it. The rows are searched in
+        // parallel, so each row fills only its own lists: inside[row] takes its points, and below[row + 1]
+        // takes the points on its lower edge, which belong to the next row. Therefore, there is one list more
+        // than there are rows.
         std::vector<std::vector<Missing>> inside(cells.size() + 1), below(cells.size() + 1);
         std::vector<std::size_t> first(cells.size() + 2, 0);  // per row, the index of its first point
         parallel_for(cells.size(), [&](std::size_t row) {
@@ -345,9 +354,9 @@ class BandSampler {
         trace(wanted_, [&](CornerKey k) { return corners_around(k, y_begin, y_end); });
     }
 
-    // Returns the samples at the four corners of the pixel that contains the raster point k. If k lies on the
-    // lower edge of the current band of rows, the pixel above is used, because the pixel below is not traced
-    // yet.
+    // Returns the samples at the four corners of the pixel that contains the raster point k, which is a
+    // corner or a midpoint of a quadtree cell. If k lies on the lower edge of the current band of pixel rows,
+    // the pixel above this edge is used, because the band below has not been traced yet.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),
@@ -406,8 +415,10 @@ class BandSampler {
             samples_[kept++] = s;
         }
         sample_count_ = kept;
-        // `chunks_` are buffers of records. The next band of pixel rows reuses their memory, because
-        // releasing and allocating it for each band took longer than tracing.
+        // Ends a band of pixel rows. `chunks_` are buffers of records. The records on the band's lower edge,
+        // `carried_`, are needed by the next band, and become its first buffer. The other buffers are kept
+        // and overwritten, because releasing and allocating their memory for each band took longer than
+        // tracing.
         std::swap(chunks_[0], carried_);
         used_chunks_ = 1;
     }

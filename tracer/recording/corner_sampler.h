@@ -13,8 +13,9 @@ namespace postlens {
 
 struct SubdivisionSettings {
     int levels = 0;  ///< greatest depth of the subdivision, 0 to 8
-    /// Greatest number of times that a pixel is subdivided where the edges of objects cross it. It is at most
-    /// `levels`. Quadtree cells near objects narrower than 1.5 px may nevertheless be smaller.
+    /// Greatest number of times that a pixel is divided into quarters where edges of objects cross it; at
+    /// most `levels`. There is one exception: near objects narrower than 1.5 px, quadtree cells may be
+    /// divided more often, so that a ray hits the object.
     int edge_levels = 8;
     /// A quadtree cell is divided if the contrast between the samples at its corners exceeds this value in a
     /// colour channel. With the channel's least value min and greatest value max, the contrast is (max - min)

@@ -30,24 +30,24 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
     int looked_at = 0, picture_rows = 0;
     for (int i = 0; i < count; ++i) {
         throw_if_interrupted();
-        // Estimates the file's size from `count` stripes of rows, evenly spaced over the image.
+        // Measures the i-th of `count` stripes, i.e. bands of pixel rows, evenly spaced over the image. The
+        // size of the whole file is estimated from the bytes that the records of these stripes would need.
         SampledWindow stripe = window;
         stripe.y_begin = window.y_begin + std::max(0, ((2 * i + 1) * rows / count - rows_of_stripe) / 2);
         stripe.y_end = std::min(stripe.y_begin + rows_of_stripe, window.y_end);
-        // A stripe is a band of pixel rows that is sampled to estimate the file's size. Records (surface
-        // hits) on its lower edge belong to the next pixel row, which lies outside the stripe. That row is
-        // not subdivided here, so it has fewer records than it will have in the file. Therefore, its records
-        // are not counted.
+        // Counts the bytes of the stripe's rows. Records (surface hits) on the stripe's lower edge belong to
+        // the pixel row below it. This row is not traced here, so the subdivision of its pixels is unknown,
+        // and it has fewer records than it will have in the file. Therefore, it is not counted.
         sample_corners(
             tracer, stripe, subdivision,
             [&](const RecordBand& band) {
                 const int end = std::min(band.y_end, stripe.y_end);
                 bytes += packed_bytes(header, compression, band, band.y_begin, end);
                 looked_at += end - band.y_begin;
-                // The file also contains an ordinary image. Its pixel row y is computed from the records at
-                // the pixels' corners, i.e. on its upper edge (row y of the records) and on its lower edge
-                // (row y + 1). `band` holds some rows of records. Its last row is left out here, because the
-                // records on its lower edge may belong to the next band.
+                // The file contains an ordinary image besides the records. Pixel row y of this image is
+                // computed from the records on the row's upper edge (row y of records) and on its lower edge
+                // (row y + 1). `band` contains only some rows of records. For its last row, the next row of
+                // records may be missing. So the image's row at this position is not counted.
                 const int picture_end = std::min({end, band.y_end - 1, header.height});
                 for (int y = std::max(0, band.y_begin); y < picture_end; ++y) {
                     picture_bytes += packed_picture_bytes(header, compression, band, y);

@@ -21,13 +21,14 @@ namespace {
 
 using glm::dvec3;
 
-// Number of equal steps into which the shutter interval is divided to measure motion.
-// A rotation must be less than 180 degrees per step.
+// Number of equal steps into which the shutter interval is divided to measure the motion of objects and
+// camera. A turn is measured as the angle between two directions, so it must be less than 180 degrees per
+// step.
 constexpr int steps = 512;
 
-// If keyframes change the scale of an object, a record of the object while it is small has few samples. So
-// the scene must be recorded at an instant when the object is large: its scale must then be at least this
-// fraction of its largest scale.
+// Objects may change their size by keyframes. If the only recorded instant shows such an object while it is
+// small, few samples hit it, and these are too coarse for the instants at which it is large. So an instant
+// must be recorded at which the object's scale is at least this fraction of its largest scale.
 constexpr double least_size = 0.5;
 
 double angle(const dvec3& a, const dvec3& b) {
@@ -210,9 +211,9 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
             });
         }
         // `surrounds` tells for each tested instant whether the camera is inside the object's bounding box.
-        // If it is inside for part of the time, it sees other surfaces then than from outside. So at least
-        // one instant must be recorded while the camera is inside, and one while it is outside and the object
-        // is in view.
+        // From inside, the camera sees other surfaces of the object than from outside. So if the camera is
+        // inside for only a part of the time, two instants must be recorded: one while it is inside, and one
+        // while it is outside and has the object in view.
         if (std::find(surrounds.begin(), surrounds.end(), true) == surrounds.end()) continue;
         add_spans([&](std::size_t i) { return surrounds[i]; });
         add_spans([&](std::size_t i) {
@@ -221,9 +222,9 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
     }
     std::erase_if(visits,
                   [&](const TimeSpan& v) { return v.open_s <= recorded_s && recorded_s <= v.close_s; });
-    // `visit` is a time span, such as that in which an object is in view, during which the scene must be
-    // recorded at least once. If `keys` instants are recorded, evenly spaced over the shutter interval,
-    // returns true if one of them lies in this time span.
+    // Returns true if one of `keys` recorded instants, which are evenly spaced over the shutter interval,
+    // lies in the time span `visit`. This is a span in which the scene must be recorded at least once, for
+    // example because an object is in view only then.
     const auto has_key = [&](const TimeSpan& visit, int keys) {
         const double length = shutter.close_s - shutter.open_s, gap = 1.0 / (keys - 1);
         const double first = std::ceil((visit.open_s - shutter.open_s) / length / gap) * gap;
@@ -266,7 +267,9 @@ KeyCount automatic_keys(const Scene& scene, const Camera& camera, const CameraOv
 }
 
 int keys_for_sweep(double sweep_degrees, double degrees_per_key) {
-    // Tolerance for the rounding error of `sweep_degrees`, which is a sum over many steps.
+    // Tolerance for rounding errors. `sweep_degrees`, the angle by which an object turns relative to the
+    // camera, is the sum of many small angles. If it exceeds a multiple of `degrees_per_key` only because of
+    // rounding, this must not cause another recorded instant.
     constexpr double rounding = 1e-6;
     if (sweep_degrees <= degrees_per_key * (1 + rounding)) return 1;
     const double keys = 1 + std::ceil(sweep_degrees / degrees_per_key - rounding);

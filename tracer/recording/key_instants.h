@@ -11,10 +11,10 @@
 
 namespace postlens {
 
-/// Returns the angle, degrees, by which an object turns in total relative to the camera during the shutter
-/// interval. This is the turn of the direction from the object's centre to the camera, as seen from the
-/// object. So it is 0 if the camera only pans or rolls. Of several objects, the greatest angle is returned.
-/// Ignores infinite planes, and objects whose bounding box contains the camera.
+/// Returns how far objects turn relative to the camera during the shutter interval. For each object, the
+/// total angle, in degrees, is computed, and the greatest angle is returned. An object's angle is the turn of
+/// the direction from its centre to the camera, as seen from the object. So it is 0 if the camera only pans
+/// or rolls. Ignores infinite planes, and objects whose bounding box contains the camera.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
 /// Returns the total angle, degrees, by which the camera's optical axis turns. 0 if it is orthographic.
@@ -37,19 +37,20 @@ struct KeyCount {
     std::string reason;        ///< such as "something turns by 60 degrees"
 };
 
-/// Returns the least number of evenly spaced instants, from `at_least` to 64, at which every object is
-/// recorded at least once while it is in view. If an object is in view for too short a time, so that even 64
-/// instants may miss it, this time is ignored.
-/// - `recorded_s`: instant that is recorded anyway
+/// Returns how many instants must be recorded, evenly spaced over the shutter interval, so that each object
+/// that comes into view is recorded at least once while it is in view. The result lies between `at_least` and
+/// 64. Time spans that are so short that even 64 instants miss them are ignored.
+/// - `recorded_s`: the frame's own instant, s; it is recorded in any case, so time spans that contain it need
+///   no other
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 
-/// Returns the number of keys, i.e. instants to be recorded, that the scene needs. Several keys are needed
-/// for:
-/// - turning objects: one key for each angle `degrees_per_key`
-/// - a panning camera
-/// - objects that are in view, or large, or around the camera, but only for a short time
-/// - light that changes
+/// Returns the number of keys (recorded instants) that the scene needs for its shutter interval. Several keys
+/// are needed if:
+/// - an object turns: one key for each angle `degrees_per_key`
+/// - the camera pans
+/// - an object is in view, or is large, or encloses the camera, during only a part of the interval
+/// - the light on surfaces changes
 [[nodiscard]] KeyCount automatic_keys(const Scene& scene, const Camera& camera,
                                       const CameraOverrides& overrides, double recorded_s,
                                       const TimeSpan& shutter, const KeyRules& rules);

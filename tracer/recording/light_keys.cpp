@@ -18,11 +18,13 @@ namespace {
 
 using glm::dvec3;
 
-// Number of equal steps of the shutter interval. The light on surfaces is measured at the ends of the steps.
+// Number of equal steps of the shutter interval. At the beginning and the end of each step, the radiance of
+// some surface points is measured, to find out how the light changes during the exposure.
 constexpr int light_steps = 64;
 
-// Least distance between two recorded instants (keys), in 64ths of the shutter interval. A distance of one
-// 64th would need 65 keys, but a file has at most 64 (SampleHeader::most_keys).
+// Least distance between two recorded instants (keys), in steps of 1/64 of the shutter interval. It is two
+// steps: most_light_keys is 33, because recording every second of the 65 instants 0 to 64 makes 33 keys. A
+// distance of one step would make 65 keys, but a sample file holds at most 64 (SampleHeader::most_keys).
 constexpr int fewest_steps = light_steps / (most_light_keys - 1);
 
 // Number of eye rays along the longer side of the image. Light may change during the exposure, because
@@ -36,8 +38,9 @@ struct Point {
     dvec3 rest{0};
 };
 
-/// Radiance of one surface point at each measured instant. An element is empty if the camera does not see the
-/// point at this instant.
+/// How the light on one surface point changes: its radiance at each of the tested instants, which are evenly
+/// spaced. The last element is for the frame's own instant. An element is empty if the camera does not see
+/// the point at this instant.
 using History = std::vector<std::optional<dvec3>>;
 
 class LightChange {
@@ -58,10 +61,10 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR, dB, of an image that is made from a few recorded instants, with the error
-    /// that arises because the light changes between them. The tested instants are numbered from 0, and those
-    /// with the numbers 0, `between`, 2 * between and so on are recorded. The frame's own instant is recorded
-    /// in addition. If `between` is 0, it is the only one.
+    /// Returns the predicted PSNR, dB, of an image that is made from only a few recorded instants. The error
+    /// arises because the light changes between them. The recorded instants are every `between`-th of the
+    /// instants 0 to light_steps, which are evenly spaced over the shutter interval, and the frame's own
+    /// instant. If `between` is 0, only the frame's own instant is recorded.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))
@@ -181,9 +184,9 @@ class LightChange {
             tracer_.trace(eye, counts);
             for (std::size_t k = 0; k < of.size(); ++k) {
                 const auto [p, i] = of[k];
-                // Relative tolerance of a distance. An eye ray towards the surface point p sees this point if
-                // it hits the point's object at the point's distance. If it hits anything nearer, the point
-                // is hidden. The tolerance is needed because the distance of a hit is computed in single
+                // Relative tolerance for the test whether the camera sees the surface point p. An eye ray
+                // towards p must hit the object of p at the distance of p. If the ray hits something nearer,
+                // p is hidden. The tolerance is needed because the distance of a hit is computed in single
                 // precision.
                 constexpr double near = 1e-3;
                 if (!eye.rays.hit(k).valid() || rays_.object(eye.rays.hit(k)) != points[p].object ||
@@ -224,10 +227,10 @@ LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverr
                           {std::min(shutter.open_s, recorded_s), std::max(shutter.close_s, recorded_s)}))
         return {1, infinite};
     const LightChange change(scene, camera, overrides, recorded_s, shutter, tracing);
-    // Finds a small number of recorded instants (keys) with which the predicted PSNR of the image reaches
-    // `target_db`. Starts with the greatest allowed number of keys, and halves it as long as the PSNR reaches
-    // the target. A search from few keys upwards could end too early, because errors at a few instants may
-    // cancel by chance.
+    // Finds a small number of recorded instants (keys) for which the predicted PSNR of the image is at least
+    // `target_db`. Starts with the greatest allowed number, and halves the number until the PSNR would be too
+    // low. The search does not start with few keys: there, errors may cancel by chance at the few tested
+    // instants, and the search would stop at a number that is too small.
     LightKeys out{most_light_keys, change.psnr_db(fewest_steps)};
     for (int between = 2 * fewest_steps; out.keys > 1; between *= 2) {
         const bool ends = between > light_steps;

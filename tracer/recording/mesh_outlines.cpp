@@ -161,9 +161,9 @@ bool MeshOutlines::cross(double x, double y, double size, const Shown& shown) co
         const auto corner = [&](std::size_t k) { return nearness(static_cast<double>(shown.z_m[k])); };
         const double behind =
             glm::mix(glm::mix(corner(0), corner(1), at.x), glm::mix(corner(2), corner(3), at.x), at.y);
-        // Relative tolerance of a depth. The edges of a mesh are outlines here only if they lie in front of
-        // the visible surface. Because of rounding errors, edges that lie in the plane of this surface may
-        // seem to be slightly in front of it. The tolerance excludes such edges.
+        // Relative tolerance of a depth. An edge of a mesh may hide something only if it lies in front of the
+        // surface that the cell's corners show. Because of rounding errors, an edge that lies in this surface
+        // may seem to be slightly in front of it.
         constexpr double in_plane = 1e-4;
         if (!std::isfinite(behind) ||
             glm::mix(static_cast<double>(edge.from_nearness), static_cast<double>(edge.to_nearness), t) >

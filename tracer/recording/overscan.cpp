@@ -31,8 +31,10 @@ double outside_px(const CameraModel& camera, const glm::dvec2& p) {
     return std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
 }
 
-// Returns true if a surface seen at `at`, outside the frame, moves into the frame or within one
-// sample spacing, `step_px`, of it.
+// Returns true if motion brings a surface into the frame. The camera sees the surface at the raster position
+// `at`, outside the frame, and `records` describes it. Because the eye rays of this search are `step_px`
+// apart, a part of the surface may lie closer to the frame. So it suffices if the surface comes within
+// `step_px` of the frame.
 bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const glm::dvec2& at,
                     std::span<const Record> records) {
     constexpr double stays_px = 0.25;  // a smaller displacement is not visible
@@ -59,9 +61,9 @@ bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const g
 int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                   const std::optional<FocusGeometry>& lens, const FilmMotion* motion) {
     const int farthest = std::min(largest_px, std::max(camera.width, camera.height) / 2);
-    // Positions, px, of the eye rays along one axis of the raster, at intervals of `step_px`, from the
-    // overscan on one side to that on the other. The image's border is always one of the positions, because a
-    // surface that is seen there may end just outside the image.
+    // Returns the positions, px, of eye rays along one axis of the raster. They lie `step_px` apart, from the
+    // overscan (the pixels traced beside the frame) on one side to that on the other side. The frame's border
+    // is always one of them, so that a surface is found even if it extends only slightly beyond the frame.
     const auto positions = [farthest](int size) {
         std::vector<int> out;
         for (int p = -(farthest / step_px) * step_px; p < size; p += step_px) out.push_back(p);

@@ -15,7 +15,8 @@ namespace postlens {
 /// If several shapes have the same id, the motion of the first shape is used.
 [[nodiscard]] SceneMotion recorded_motion(const Scene& scene, const Camera& camera);
 
-/// Returns, in ascending order, the ids that belong to several shapes with different keyframes.
+/// Returns the ids, ascending, that several objects with different keyframes share. The records of such an id
+/// do not all move in the same way.
 [[nodiscard]] std::vector<std::uint32_t> ids_that_move_apart(const Scene& scene);
 
 }  // namespace postlens

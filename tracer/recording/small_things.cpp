@@ -21,20 +21,21 @@ constexpr int tile_px = 16;
 // Number of pieces into which a long narrow object is divided along its axis. Each piece is treated as if it
 // had one width and one depth, although the object's width and depth may vary along its length.
 constexpr int pieces = 16;
-// A long narrow object is divided into pieces along its axis, and each piece is treated as if its width were
-// constant. A cone tapers, so this is inaccurate for a piece with one end more than twice as wide as the
-// other. Such a piece is halved, up to this number of times.
+// Largest number of times that a piece of a cone is halved. To find narrow objects in the image, long ones
+// are divided into pieces along their axis, and each piece is treated as if its width were constant. A cone
+// tapers. So a piece of a cone is halved as long as one of its ends is more than twice as wide as the other.
 constexpr int most_halves = 16;
-// Width of the smallest quadtree cells, px. An object that is narrower may lie between all corners of cells.
+// Width of the smallest quadtree cells, px. Eye rays pass only through the corners of cells. So an object
+// that is narrower than this may lie between all rays and remain unseen.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 
 // An ellipsoid that approximates an object: its centre and three half axes.
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // The axis of a cone runs from centre - half[0] to centre + half[0], and the cone may have a different
-    // width at each of these ends. half[1] and half[2] are the half axes across it. They are multiplied by
-    // ends.x at the first end and by ends.y at the second end.
+    // For a cone: relative widths of its two ends, at centre - half[0] (`ends`.x) and at centre + half[0]
+    // (`ends`.y). The vector half[0] is half the cone's axis, and half[1] and half[2] lie across it. At each
+    // end, half[1] and half[2] must be multiplied by the relative width. For all other shapes, both are 1.
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -109,8 +110,8 @@ std::vector<Axes> boxes_around(const Mesh& mesh, const std::vector<std::uint32_t
     return out;
 }
 
-/// Approximates each connected part of an object by an ellipsoid, in object space. An infinite plane has no
-/// ellipsoid.
+/// Approximates each connected part of an object by an ellipsoid, from which its width and length in the
+/// image are computed later. The ellipsoids are in object space. An infinite plane has none.
 struct AxesOf {
     const std::vector<std::uint32_t>& parts;
     std::map<const Mesh*, std::vector<Axes>>& of_meshes;  ///< known so far
@@ -205,9 +206,9 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
 }
 
 /// Divides a long object into straight pieces along its longest axis, and calls take(from, to, half) for each
-/// piece. `from` and `to` are the ends of the piece's axis. half[0] is the half axis of the whole object, and
-/// half[1] and half[2] are those of the piece across it. A compact object is a single piece, for which `from`
-/// and `to` are equal.
+/// of them. `from` and `to` are the ends of the piece's axis. half[1] and half[2] are the piece's half axes
+/// across it, whereas half[0] is half the axis of the whole object. A compact object is a single piece, for
+/// which `from` and `to` are both its centre.
 template <typename Take>
 void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     const bool tapers = axes.ends.x != axes.ends.y;
@@ -333,15 +334,15 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // Sets the largest size of the quadtree cells at the outline of this piece of an object. `from` and `to`
-    // are the ends of its axis. A compact bright object (from == to) needs small cells, so that its area on
-    // the raster, and so its brightness, is accurate. A long object has many cells on its outline, and their
-    // errors average out. So cells of 1 px suffice for it.
+    // Sets the largest size, px, of the quadtree cells at the outline of one piece of a narrow object. `from`
+    // and `to` are the ends of the piece's axis. If they are equal, the object is compact. A compact bright
+    // object needs small cells, because its area on the raster, and thus its brightness, must be accurate.
+    // For a long object, cells of 1 px suffice, because the errors at its many cells average out.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits the memory for the pieces into which narrow objects are divided. Each piece needs at least three
-    // quadtree cells. So if the number of pieces exceeds half the number of allowed cells, not all of them
-    // can be kept.
+    // Limits the memory for `pieces_`, the pieces into which narrow objects are divided. Each piece will need
+    // at least three quadtree cells, but the number of cells is limited. So if there are more than half as
+    // many pieces as allowed cells, not all of them can be kept, and some are discarded now.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
@@ -424,10 +425,11 @@ WantedCells SmallThings::wanted(double x, double y, double size, double farthest
     for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
         const Piece& r = pieces_[tile_pieces_[i]];
         if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
-        // Skips the pieces of narrow objects that do not overlap the quadtree cell. A piece extends at most
-        // r.reach from its axis, and the cell extends at most 0.7071 * size from its centre. (0.7072 allows
-        // for rounding errors.) If the axis and the cell's centre are farther apart than the sum of both, the
-        // piece and the cell do not overlap.
+        // Skips pieces of narrow objects that do not overlap the quadtree cell. A piece lies around its axis,
+        // the line from r.from to r.to, and extends at most r.reach from it, in px. The square cell extends
+        // at most 0.7071 * size from its centre, which is half its diagonal (0.7072 allows for rounding
+        // errors). If the centre is farther from the axis than r.reach plus this half diagonal, they do not
+        // overlap.
         if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
         out.find_px = std::min(out.find_px, r.find_px);
         out.outline_px = std::min(out.outline_px, r.outline_px);

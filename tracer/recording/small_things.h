@@ -20,22 +20,24 @@ namespace postlens {
 /// Finds objects and connected mesh parts that are so narrow in the image that eye rays may miss them.
 class SmallThings {
   public:
-    /// Objects up to this width, px, are searched for. A wider object always covers a corner of a pixel,
-    /// where an eye ray hits it.
+    /// Greatest width, px, of the objects for which the class searches. Eye rays pass through all corners of
+    /// pixels, so a wider object is always hit by one of them. A narrower object may lie between them.
     static constexpr double widest_px = 1.5;
-    /// Largest size of a quadtree cell near a narrow object, as a fraction of the object's width. Eye rays
-    /// pass through the corners of cells.
-    /// At this size, at least one corner always lies on the object, so that a ray hits the object.
+    /// Greatest width of a quadtree cell at a narrow object, as a fraction of the object's width. Pixels are
+    /// divided into such cells, and eye rays pass through their corners. If cells are at most half as wide as
+    /// the object, at least one corner lies on it, so that a ray hits it.
     static constexpr double find_share = 0.5;
-    /// Largest size of the quadtree cells at the outline of a compact bright object, as a fraction of the
-    /// object's width. With cells of this size, the area of a disc on the raster has an error of 1.2 %
-    /// (Kendall 1948), and so does the brightness of its blur.
+    /// Greatest width of a quadtree cell at the outline of a compact bright object, as a fraction of the
+    /// object's width. When the object is blurred, its brightness is proportional to its area on the raster.
+    /// With cells of this width, the area of a disc, and so its brightness, has an error of 1.2 % (Kendall
+    /// 1948).
     static constexpr double bright_share = 0.0625;
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;
-    /// Largest average number of quadtree cells per pixel that narrow objects may cause. If all of them
-    /// together need more cells, the bright objects get their cells first. The remaining cells go to the
-    /// other objects, from the widest to the narrowest.
+    /// Limit of the number of quadtree cells, as an average per pixel, into which pixels are divided to find
+    /// narrow objects (narrower than 1.5 px). If these objects need more cells in total, those that emit
+    /// light brighter than white get their cells first. The remaining cells go to the other narrow objects,
+    /// from the widest to the narrowest.
     static constexpr double most_cells_per_pixel = 4;
 
     /// Contains no narrow objects. Used to sample without a scene.
@@ -48,14 +50,17 @@ class SmallThings {
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
     /// Bright objects seen in mirrors and glass.
     [[nodiscard]] const BrightImages& images() const { return images_; }
-    /// Finds the outlines of meshes in the image, because the eye rays through the corners of a quadtree cell
-    /// may all miss an outline that crosses the cell. The parameters must be those of the constructor. Needs
-    /// up to 160 bytes of memory per pixel.
+    /// Finds the outlines of meshes in the image. Pixels are divided into quadtree cells, and eye rays pass
+    /// through the corners of cells. These rays may all miss an object whose outline crosses the cell, but
+    /// with the outlines known, such a cell can be divided. The arguments must be the same as those of the
+    /// constructor. Needs up to 160 bytes of memory per pixel.
     void find_outlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera,
                        double time_s);
     /// Empty before find_outlines().
     [[nodiscard]] const MeshOutlines& outlines() const { return outlines_; }
-    /// Returns the depth of subdivision of a pixel that finds all narrow objects, at most `most_levels`.
+    /// Returns how often a pixel must be divided into quarters so that every narrow object (narrower than 1.5
+    /// px) is found, i.e. hit by an eye ray through a corner of the resulting cells. The result is at most
+    /// `most_levels`.
     [[nodiscard]] int levels() const { return levels_; }
     /// Returns the approximate number of cells that all narrow objects need.
     [[nodiscard]] double cells() const;
@@ -65,8 +70,9 @@ class SmallThings {
     /// than the smallest quadtree cells or because there are too many.
     [[nodiscard]] std::uint64_t lost() const { return lost_.size(); }
 
-    /// Returns how small the quadtree cells must be to find every object narrower than 1.5 px in a square of
-    /// the image.
+    /// Returns how small quadtree cells must be within a square of the image. Eye rays pass through the
+    /// corners of these cells, and in cells of the returned size, a ray hits every object narrower than 1.5
+    /// px.
     /// (x, y) is the square's upper left corner, and `size` its width, px.
     /// Objects farther away than `farthest_m` are ignored.
     [[nodiscard]] WantedCells wanted(double x, double y, double size, double farthest_m) const;

@@ -29,9 +29,8 @@ RayCounts sample_share(const Share& share, const WhittedTracer& tracer, const Sa
         absent = stand_in_row(nullptr, window.x_begin, x_end, y);
         take(absent);
     }
-    // Traces the pixel rows of this run's share, and also the pixel row above them. The pixels of that row
-    // may be subdivided. Then they have samples on their lower edges, which belong to the first row of the
-    // share.
+    // Traces the pixel rows that this program run must trace, and also the row above them. If pixels of that
+    // row are subdivided, they have samples on their lower edge, which belong to the first row of this run.
     const SampledWindow traced{window.x_begin, window.x_end, std::max(window.y_begin, rows.begin - 1),
                                std::min(window.y_end, rows.end)};
     const RayCounts rays = sample_corners(

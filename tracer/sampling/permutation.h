@@ -22,10 +22,11 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // A number is permuted in several rounds. Round r multiplies it, adds offset_[r], and combines it
-            // with itself, shifted by shift_[r] bits. Only the lowest `bits` bits of the result are used, so
-            // the highest bits of offset_[r] mostly have no effect. Therefore, its highest 4 bits can also
-            // choose the shift.
+            // Chooses by how many bits round r shifts. A number is permuted in several rounds: each one
+            // multiplies it, adds offset_[r], and combines the result with a copy of itself that is shifted
+            // right by shift_[r] bits. Since only the lowest `bits` bits of a number count, the highest bits
+            // of offset_[r] mostly have no effect on it. Therefore, the highest 4 bits can be used a second
+            // time, to choose the shift.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }
@@ -65,9 +66,9 @@ class Permutation {
         return outside != 0;
     }
 
-    /// Number of rounds in which step() multiplies, shifts and adds to permute an integer at random. With six
-    /// rounds, all permutations of 2 to 5 elements are equally frequent, within 4 %. With four rounds, their
-    /// frequencies would differ by tens of percent.
+    /// Number of rounds in which a number is permuted. Each round multiplies, adds and shifts. More rounds
+    /// make the permutations more random: with six rounds, all permutations of 2 to 5 elements are equally
+    /// frequent, within 4 %. With four rounds, their frequencies would differ by tens of percent.
     static constexpr std::uint32_t rounds = 6;
     std::uint32_t n_, mask_ = 0;
     std::uint32_t multiplier_[rounds] = {}, offset_[rounds] = {};

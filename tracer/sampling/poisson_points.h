@@ -24,15 +24,16 @@ struct PoissonPattern {
 /// torus [0, 1)^2. densest_distance(n) is the largest minimum distance that n points can have. The returned
 /// points are at least `poisson_distance_share` times this distance apart.
 [[nodiscard]] PoissonPattern poisson_pattern(int n, std::uint64_t seed);
-/// Minimum distance between the points of a pattern, as a fraction of the largest possible minimum distance
-/// (densest_distance). Points are placed at random one after another. With a fraction of 0.777, the last
-/// point would rarely find room.
+/// Minimum distance between the points of a pattern, as a fraction of the largest possible one
+/// (densest_distance). The points are placed at random, one after another, so that each keeps this distance
+/// from all others. The fraction must not be much greater: at 0.777, there would rarely be room left for the
+/// last point.
 inline constexpr double poisson_distance_share = 0.7;
 
-/// Returns n random points on a circle of circumference 1, in units of 2^-32. Neighbours are at least d =
-/// poisson_distance_share / n apart.
-/// To achieve this, n uniform points are placed on a shorter circle, and then an arc of length d is inserted
-/// after each point.
+/// Returns n random points on a circle of circumference 1, as integers in units of 2^-32. Neighbours are at
+/// least d = poisson_distance_share / n apart. To achieve this, n uniform points are placed on a circle with
+/// the shorter circumference 1 - n d. Then an arc of length d is inserted after each point, which makes the
+/// circumference 1.
 [[nodiscard]] std::vector<std::uint32_t> poisson_circle(int n, std::uint64_t seed);
 
 /// Poisson-disc points for the samples of a pixel: a precomputed pattern, shifted and in random order.
@@ -64,9 +65,10 @@ class PoissonPoints {
     [[nodiscard]] const Patterns& patterns_of(const Block& b) const;
 
     std::uint32_t n_, blocks_;
-    /// The samples of a pixel are divided into `blocks_` blocks, each with its own pattern of points. Since
-    /// n_ may not be a multiple of blocks_, a block contains either floor(n_ / blocks_) samples or one more.
-    /// sizes_[0] holds the patterns for the smaller blocks, and sizes_[1] those for the larger ones.
+    /// The patterns of random points. A pixel has n_ samples, which are divided into `blocks_` blocks, and
+    /// each block uses one pattern. If n_ is not a multiple of blocks_, some blocks contain floor(n_ /
+    /// blocks_) samples and others one more. sizes_[0] holds the patterns for the smaller blocks, and
+    /// sizes_[1] those for the larger ones.
     std::array<Patterns, 2> sizes_;
 };
 

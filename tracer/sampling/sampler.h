@@ -12,9 +12,11 @@
 
 namespace postlens {
 
-/// How the samples of a pixel are distributed. Each sample has a raster position, a lens point and an
-/// instant. The raster positions, the lens points and the instants are each distributed in this way, and are
-/// then combined at random. Only with `sobol`, the combinations are evenly distributed, too.
+/// How the samples of a pixel are distributed. A pixel has spp samples, and each of them has a raster
+/// position, a lens point and an instant. The raster positions are distributed by this rule, and so are the
+/// lens points and the instants. Which of them belong to the same sample is then chosen at random. Only
+/// `sobol` also distributes their combinations evenly, so that, for example, each part of the lens gets
+/// instants from the whole exposure.
 enum class SamplerKind {
     grid,      ///< the centres of spp cells of equal area
     jittered,  ///< a random point in each of these cells [cook1984]
@@ -23,8 +25,9 @@ enum class SamplerKind {
     sobol,     ///< Owen-scrambled Sobol points [owen1995, burley2020]
 };
 
-/// Identifies an independent set of random points. The first three sets are for eye rays: positions in the
-/// pixel, lens points and instants. The function `sample_set` makes all others.
+/// Identifies a set of random points that is independent of all other sets. Three sets are for eye rays:
+/// their positions in the pixel, their lens points and their instants. The function `sample_set` makes
+/// further ones, for example for the random directions of reflected rays.
 struct SampleSet {
     std::uint32_t id;
 };
@@ -73,9 +76,9 @@ class Sampler {
     [[nodiscard]] float point_1d(std::uint32_t pixel, SampleSet set, int index) const;
 
   private:
-    /// Writes one random point for each of `lanes` samples of a pixel, from sample index `first` on; `lanes`
-    /// is 1 or 16.
-    /// Samples with an index of `spp` or more do not exist, so their points are undefined.
+    /// These functions write a random point (2d) or a random number (1d) for each of the samples `first` to
+    /// `first` + lanes - 1 of a pixel, where `lanes` is 1 or 16. `set` selects one of several independent
+    /// sets of points. A pixel has only the samples 0 to spp - 1; the points of all others are undefined.
     void lanes_2d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u, float* v) const;
     void lanes_1d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u) const;
 

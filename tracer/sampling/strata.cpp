@@ -24,17 +24,19 @@ struct Divisor {
     [[nodiscard, gnu::always_inline]] std::int32_t rounded_down(double a) const {
         return static_cast<std::int32_t>((a + 0.5) * inverse);
     }
-    /// Returns the lower edge of interval number `cell` if [0, 1) is divided into `value` equal intervals.
-    /// The result is in units of 2^-24, rounded up.
+    /// Returns where interval number `cell` begins if [0, 1) is divided into `value` equal intervals. The
+    /// result is in units of 2^-24, rounded up. `cell` is an integer from 0 on.
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
-        // Computes ceil(a / d) as floor((a + d - 1) / d), where a = cell * 2^24 and d = `value`. The product
-        // with `inverse`, which is 1 / d, may have a rounding error. To be safe from it, 0.5 is added before
-        // the division, so d - 1 becomes d - 0.5.
+        // Computes a / d, rounded up, where a = cell * 2^24 and d = `value` are integers. This is floor((a +
+        // d - 1) / d). Because the product with `inverse` (1 / d) replaces the division, it may be slightly
+        // too small. So 0.5 is added to the numerator. This cannot change the exact result: (a + d - 1) / d
+        // is a multiple of 1 / d, and 0.5 / d is less than the distance to the next one.
         return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
     }
 };
 
-/// Returns the integer at the fraction `share`, in [0, 1), of the interval [begin, end), rounded down.
+/// Divides the interval [begin, end) in a given ratio: returns begin + share * (end - begin), rounded down.
+/// `share` is at least 0 and less than 1.
 [[gnu::always_inline]] inline std::int32_t between(std::int32_t begin, std::int32_t end, double share) {
     return begin + static_cast<std::int32_t>(share * (end - begin));
 }
@@ -48,9 +50,10 @@ template <int lanes>
     if (t.permuted) Permutation(t.n, t.key.stream(0)).permute<lanes>(cell);
 }
 
-/// Each sample lies in its own cell of the unit interval or square. Computes where the sample point lies
-/// within this cell, along one axis, as a fraction of the cell's width. The fraction is a multiple of 2^-24
-/// in [0, 1). It is random, or 0.5 if the points are the cells' centres.
+/// Computes one coordinate of each sample's point inside the sample's own cell. The cells divide the unit
+/// interval or the unit square. The coordinate is a fraction of the cell's width, a multiple of 2^-24 in [0,
+/// 1). It is 0.5 if the point is the cell's centre, and random otherwise. Different values of `purpose` give
+/// independent coordinates.
 template <int lanes>
 [[gnu::always_inline]] inline void shares(const StrataTask& t, std::uint32_t purpose, double* share) {
     const std::uint64_t key = t.key.stream(purpose);
@@ -72,10 +75,10 @@ template <int lanes>
     const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
-        // Finds the row of cell c. The unit square is divided into `rows` rows and n cells, which are
-        // numbered row by row, and row r begins at cell floor(r * n / rows). Cell c lies in the last row that
-        // begins at c or before it. `begin` and `end` are the numbers of the first cells of this row and of
-        // the next one.
+        // Finds the row of cell c. The unit square is divided into `rows` rows of cells. The n cells are
+        // numbered row by row, and row r begins with the cell floor(r * n / rows). So the row of cell c is
+        // the greatest r for which r * n / rows < c + 1. `begin` is the first cell of this row, and `end` is
+        // the first cell of the next row.
         const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
         const std::int32_t begin = rows.rounded_down(row * n.value),
                            end = rows.rounded_down((row + 1) * n.value);
@@ -85,8 +88,9 @@ template <int lanes>
         cells_of_row.value = is_few ? few_cells.value : more_cells.value;
         cells_of_row.inverse = is_few ? few_cells.inverse : more_cells.inverse;
         u[i] = unit_float_24(between(cells_of_row.edge(column), cells_of_row.edge(column + 1), share_u[i]));
-        // All n cells of the unit square have the same area. So the height of a row is proportional to its
-        // number of cells: a row with the cells `begin` to end - 1 extends from begin / n to end / n.
+        // Computes the coordinate v of the sample point, which lies in this row. The n cells of the unit
+        // square have equal areas, so the height of a row is proportional to its number of cells. The row
+        // with the cells `begin` to end - 1 therefore extends from v = begin / n to v = end / n.
         v[i] = unit_float_24(between(n.edge(begin), n.edge(end), share_v[i]));
     }
 }

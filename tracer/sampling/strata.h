@@ -26,14 +26,15 @@ class Strata {
 
     /// Writes one point of the unit square for each of the samples first .. first + lanes - 1 of a pixel. The
     /// square is divided into n cells of area 1/n, and each of the pixel's n samples has its own cell.
-    /// - `where`: a point is the centre of its cell or a random point in it
+    /// - `where`: whether a point is the centre of its cell or a random point in it
     /// - `permuted`: the cells are assigned to the samples in random order
     /// - `lanes`: 1 or 16
     /// - `u`, `v`: receive the points' coordinates
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;
-    /// Writes one number in [0, 1) for each of the samples first .. first + lanes - 1 of a pixel. [0, 1) is
-    /// divided into n equal intervals, and each of the pixel's n samples has its own interval. The parameters
-    /// are those of fill_2d, and `u` receives the numbers.
+    /// Writes one number in [0, 1) to `u` for each of the samples first .. first + lanes - 1 of a pixel,
+    /// where `lanes` is 1 or 16. [0, 1) is divided into n equal intervals, and each of the pixel's n samples
+    /// has its own interval. `where` selects the interval's centre or a random number in it. If `permuted`,
+    /// the intervals are assigned to the samples in random order.
     void fill_1d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u) const;
 
   private:

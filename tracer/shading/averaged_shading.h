@@ -1,5 +1,6 @@
-// Counts the glossy materials and the area lights of a scene. A surface that is glossy or lit by an area
-// light receives light from many directions. A sample file stores the mean over several of them.
+// Counts the materials and lights of a scene whose light comes from many directions: glossy materials and
+// area lights. For a surface with such a material or light, a sample file stores the mean over several random
+// directions. The command `trace` reports these numbers.
 #pragma once
 
 #include <cstdint>

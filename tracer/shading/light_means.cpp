@@ -75,10 +75,11 @@ dvec3 unshadowed(const ExtentLit& p) {
     }
 }
 
-// Returns the number k for which an area light, divided into k x k cells, causes noise of target_noise at a
-// shadow edge. One shadow ray is sent to a random point of each cell. The edge of the occluder crosses about
-// k cells. The ray to such a cell adds L / k^2 to the radiance, or nothing if it is blocked, where L is the
-// radiance without shadows. So the standard deviation of the sum is sqrt(k) (L / 2) / k^2.
+// Returns k, the number of cells along each side of an area light, which is divided into k x k cells. One
+// shadow ray is sent to a random point of each cell. At the edge of a shadow, the occluder's outline crosses
+// about k of the cells, and in each of them, chance decides whether the light counts. With radiance L of the
+// unshadowed light, a cell adds L / k^2 or nothing, so the standard deviation of their sum is sqrt(k) (L / 2)
+// / k^2. k is chosen so that this is `target_noise`.
 int cells_for(const ExtentLit& p, const dvec3& radiance) {
     const double bright = largest(radiance * p.throughput);
     const double k = std::ceil(std::pow(bright / (2 * target_noise), 2.0 / 3));

@@ -25,9 +25,10 @@ struct ExtentLit {
     std::uint64_t seed = 0;  ///< seed of the sample points on the light source
 
     glm::dvec3 radiance{0};  ///< result: radiance with shadows, before `throughput`
-    /// Result: estimate of `radiance` that has no noise. It is the radiance that the light would cause
-    /// without shadows, times a factor. The factor is 1 if the light is visible from the surface point, 0.5
-    /// if it is partly visible, and 0 if it is hidden.
+    /// Result: an estimate of `radiance` (above) without random noise, for comparisons between samples.
+    /// Shadow rays to at most twelve points of the light are traced. If all have the same transmittance, such
+    /// as 1 (visible) or 0 (hidden), the radiance that the light would cause without shadows is multiplied by
+    /// it. Otherwise, it is multiplied by 0.5.
     glm::dvec3 steady{0};
 };
 
@@ -40,8 +41,10 @@ class LightMeans {
     static constexpr int most_cells = 16;
 
     explicit LightMeans(const RayScene& scene) : scene_(scene) {}
-    /// For each of the `points`, sets the mean radiance that the surface point reflects from its area light.
-    /// `rays` is a temporary buffer. The number of traced rays is added to `shadow_rays`. Thread-safe.
+    /// Computes the result of each element of `points`. An element describes one surface point and one area
+    /// light that illuminates it (ExtentLit::light), and the result is the mean radiance that the point
+    /// reflects from this light. `rays` is a temporary buffer. The number of traced rays is added to
+    /// `shadow_rays`. Thread-safe.
     void average(std::vector<ExtentLit>& points, RayBatch& rays, std::uint64_t& shadow_rays) const;
 
   private:

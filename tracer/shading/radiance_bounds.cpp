@@ -25,8 +25,10 @@ double distance_to_segment(const dvec3& a, const dvec3& b, const dvec3& p) {
     return glm::length(p - a - share * along);
 }
 
-// Returns a lower bound of the distance, m, between p and a moving object, at any time.
-// The object's origin moves straight between keyframes. Its surface stays within a ball around the origin.
+// Returns a lower bound of the distance, m, between the point p and the object `o`, which moves, over all
+// instants. The surface of the object stays within a ball around the object's origin. The origin moves on a
+// straight line between two keyframes. So the bound is the distance of p to these lines, minus the ball's
+// radius.
 double distance_to_moving(const Object& o, const dvec3& p) {
     const Bounds rest = shape_bounds(o.shape, o.motion_base);
     const double reach = glm::length(glm::max(glm::abs(rest.min), glm::abs(rest.max)));
@@ -58,10 +60,10 @@ double distance_to(const Object& o, const dvec3& p) {
     return least;
 }
 
-// Returns an upper bound of the light that any surface receives from the light source `l`. If the light
-// decreases with the distance, the bound is its value at the variable `distance`. This is a lower bound of
-// the distance, m, from the light source to the nearest surface. It is 0 if the light source moves, or if the
-// light is limited even at distance 0.
+// Returns an upper bound of the light that any surface receives from the light source `l`. If its light
+// decreases with the distance, the bound is the light at `distance`. This variable is at most the distance,
+// m, of the nearest surface. It remains 0 if the light source moves, or if the light is limited even at
+// distance 0.
 dvec3 greatest_irradiance(const Scene& scene, const Light& l) {
     if (l.kind == Light::Kind::directional) return l.intensity;
     double distance = 0;

@@ -63,7 +63,9 @@ dvec3 light_point(const PlacedLight& placed, const dvec3& from, const dvec2& uv)
     const dvec3 to_centre = placed.position - from;
     const double distance2 = glm::dot(to_centre, to_centre), sine2 = l.radius * l.radius / distance2;
     if (!(sine2 < 1)) return placed.position;  // `from` is inside the sphere, from where there is no outline
-    // 1 - cos a, without cancellation. The spherical light subtends a cone of half angle a.
+    // Chooses a direction to the spherical light, uniformly from the cone of directions in which it is
+    // visible. The cone has the half angle a, and `widest` is 1 - cos a. It is computed from sin^2 a, because
+    // 1 - cos a would lose digits by cancellation.
     const double widest = sine2 / (1 + std::sqrt(1 - sine2));
     const double lowered = uv.x * widest, cosine = 1 - lowered;
     const double sine = std::sqrt(std::max(0.0, lowered * (2 - lowered))), turn = 2 * std::numbers::pi * uv.y;

@@ -20,7 +20,8 @@ struct Facing {
 };
 [[nodiscard]] Facing face(const SurfacePoint& s, const glm::dvec3& direction);
 
-/// Returns a surface's radiance without light sources: its emission and the ambient term.
+/// Returns the radiance that a surface has even if no light source illuminates it: the light that it emits
+/// itself, and the ambient term. `colour` is its surface_colour().
 [[nodiscard]] glm::dvec3 own_radiance(const Scene& scene, const Material& m, const SurfacePoint& s,
                                       const glm::dvec3& colour);
 /// Returns the surface colour at a hit, by which the ambient and diffuse terms are multiplied.

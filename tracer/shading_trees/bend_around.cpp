@@ -6,10 +6,11 @@
 namespace postlens {
 namespace {
 
-/// Returns the record (surface hit) of a sample that has the given path, i.e. the given sequence of bounces,
-/// and the given layer. Layer 0 holds the visible surfaces, and each further layer holds a hidden surface. A
-/// hidden layer does not repeat the mirror or glass through which it is seen. So if it has no record with
-/// this path, the record with this path in layer 0 is returned.
+/// Returns the record (stored surface hit) of a sample that has the given path, i.e. the given sequence of
+/// bounces, and the given layer. Layer 0 holds the visible surfaces, and each further layer holds what
+/// belongs to one hidden surface. If this surface is hidden behind others in a mirror, its layer has no
+/// record for the mirror itself, because layer 0 contains it. In this case, the record in layer 0 is
+/// returned.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {
@@ -30,9 +31,10 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// Summary of some surface hits of a sample, to estimate `w_bend` for a given hit nearby. It covers the hits
-/// that are seen by the same sequence of reflections and refractions as the given hit, at the same mirrors
-/// and glass objects, and are visible or hidden like it.
+/// Summarizes what one neighbouring sample tells about `w_bend` of a given surface hit. `w_bend` is a measure
+/// of how nonlinearly the image of a mirrored or refracted surface moves when the lens point moves. Only some
+/// hits of the sample count: those that are seen by the same bounces at the same mirrors and glass objects as
+/// the given hit. In addition, they must be visible if it is visible, and hidden if it is hidden.
 struct Seen {
     float greatest = 0;  ///< greatest `w_bend` of these records, 1/m^2
     bool any = false;    ///< there is such a record

@@ -1,6 +1,7 @@
-// Estimates `w_bend`, which tells how nonlinearly the image of a surface in a mirror or in glass moves when
-// the lens point moves. The estimate is taken from the records of nearby samples, so that no additional rays
-// are needed to measure it.
+// Estimates `w_bend` of a surface that is seen in a mirror or in glass. `w_bend` tells how nonlinearly the
+// surface's image moves when the lens point moves. To measure it, additional rays must be traced from several
+// lens points. The estimate saves these rays, because it uses the values that the records of nearby samples
+// already contain.
 #pragma once
 
 #include <array>

@@ -27,9 +27,10 @@ struct Shadow {
     dvec3 radiance{0};
 };
 
-/// A surface hit whose radiance is limited to the value LightElsewhere::above. Several light sources
-/// contribute to this radiance, and the limit applies to their sum. So `radiance` first collects the sum, and
-/// the limit is applied afterwards.
+/// Collects the radiance of a surface hit that may not exceed the limit LightElsewhere::above. Radiance above
+/// the limit is excluded here, because it is added to the image separately, as highlights. Several light
+/// sources contribute to the hit's radiance, but the limit applies to their sum. So `radiance` first collects
+/// the sum, and the limit is applied afterwards.
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};

@@ -30,20 +30,23 @@ struct EyeRays {
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
     std::vector<float> weight;         ///< transmittance of the lens for each ray; 1 if empty
-    /// Weight of each ray's radiance in the image. It is used only to decide which reflections and
-    /// refractions are skipped: those that contribute less than `min_contribution` to the image. If this list
-    /// is empty, all weights are 1.
+    /// The weight with which the radiance of each eye ray counts in the image. It is used only to save time:
+    /// a reflection or refraction is not traced if it contributes less than `min_contribution` to the image.
+    /// If this list is empty, all weights are 1.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance to leave out, added as highlights; may be null
-    /// Returns the raster position, px, at which the pinhole camera sees a point on the ray with the index
-    /// `ray`. The point lies at the distance `t`, m, from the ray's origin.
+    /// Returns the raster position, px, at which a camera without a lens (pinhole) would see a point of an
+    /// eye ray. `ray` is the index of the eye ray, and `t` is the distance of the point from the ray's
+    /// origin, m. The position is needed because the records were traced from the pinhole, but the eye ray
+    /// may come from another lens point.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
-    /// If this list is not empty, it contains one surface point for each ray. Then the only valid result is
-    /// `left_out`. It contains the radiance of this surface point that `less` excludes from the traced
-    /// radiance.
+    /// Optional: one surface for each eye ray, given by its object and by the bounces through which it is
+    /// seen. `less` describes bright light that is excluded from the traced radiance, because it is added to
+    /// the image separately, as highlights. If this list is given, `left_out` receives only the light that is
+    /// excluded from these surfaces, and `radiance` is not valid.
     std::vector<NodeIdentity> left_out_of;
 };
 
@@ -56,10 +59,11 @@ class DistributedTracer {
     /// Thread-safe. The same rays in the same order give bit-identical results.
     void trace(EyeRays& eye, RayCounts& counts) const;
 
-    /// Returns true if eye rays are passed to Embree as coherent. This doubles the speed with a pinhole if no
-    /// geometry moves. With moving geometry, it would almost halve the speed (docs/performance.md).
+    /// Returns true if Embree, which traces the rays, is told that eye rays are coherent, i.e. close
+    /// together. For a pinhole, this hint doubles the speed if no geometry moves. With moving geometry, the
+    /// hint would almost halve the speed (docs/performance.md), so it is not given.
     [[nodiscard]] bool coherent() const { return !scene_.moves(); }
-    /// Returns true if objects or lights move, so that rays need their instants.
+    /// Returns true if objects or lights move. Then each eye ray needs the instant at which it is traced.
     [[nodiscard]] bool needs_times() const { return scene_.moves() || moving_lights_; }
 
   private:

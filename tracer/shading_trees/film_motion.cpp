@@ -17,8 +17,8 @@ namespace {
 // Testing more bounding balls would take longer than tracing the ray.
 constexpr std::size_t most_balls = 64;
 
-// If the camera's pinhole moves by less than this value times the sum of 1 m and the pinhole's distance from
-// the origin, the camera is assumed only to rotate. Such a small movement may be a rounding error.
+// If the camera's pinhole moves during the exposure by less than still * (1 m + the pinhole's distance from
+// the origin), this may be a rounding error. Then the camera is assumed only to rotate.
 constexpr double still = 1e-9;
 
 }  // namespace

@@ -23,19 +23,21 @@ class FilmMotion {
                double from_s, std::span<const double> instants_s);
 
     [[nodiscard]] std::size_t instants() const { return cameras_.size(); }
-    /// Returns the raster position, px, of a point of object `id` at the i-th instant of `instants_s`, passed
-    /// to the constructor. Empty if the point is then behind the camera.
-    /// `point` is the point's world position, m, at the instant `from_s`.
+    /// Returns the raster position, px, at which the camera sees a moving point at the i-th of the instants
+    /// `instants_s`. (The constructor receives these instants, and the instant `from_s`.) The point is fixed
+    /// to object `id`, and `point` is its world position, m, at the instant `from_s`. Empty if the point is
+    /// behind the camera.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// Returns the raster position, px, at which the camera sees the infinitely distant background in the
-    /// direction `direction` at instant number i. An orthographic camera sees the same direction at every
-    /// raster position. So for it, the result is `at`, the raster position of the ray that found the
-    /// background.
+    /// Returns the raster position, px, at which the camera sees the background at the i-th instant. The
+    /// background is infinitely distant and was found by an eye ray with the direction `direction`, at the
+    /// raster position `at`, px. Empty if it is then behind the camera. An orthographic camera sees the same
+    /// background at every position, so for it, the result is `at`.
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 
-    /// Returns true if the camera's or an object's pose at some instant differs from its pose at `from_s`.
+    /// Returns true if the camera or an object moves: if its pose at one of the examined instants differs
+    /// from its pose at the instant `from_s`, from which the motion is predicted.
     [[nodiscard]] bool anything_moves() const { return camera_moves_ || !moving_.empty(); }
     [[nodiscard]] bool moves(std::uint32_t id) const { return moving_.contains(id); }
     /// Returns true if the motion of the camera causes parallax. A rotation about the pinhole causes none.
@@ -57,10 +59,11 @@ class FilmMotion {
     bool camera_moves_ = false, parallax_ = false;
 };
 
-/// Returns the instants of a shutter interval at which motion is examined, ascending:
+/// Returns the instants of a shutter interval at which the positions of objects are computed, to find out
+/// what motion reveals. They are ascending and contain:
 /// - nine evenly spaced instants, including both ends
 /// - the recorded instants `recorded_s`
-/// - the keyframes within the interval; of more than 32, 32 are chosen quasi-randomly
+/// - the keyframes within the interval. If there are more than 32, 32 of them are chosen quasi-randomly.
 [[nodiscard]] std::vector<double> looked_at_instants(const SceneMotion& motion, double open_s, double close_s,
                                                      std::span<const double> recorded_s);
 

@@ -68,10 +68,9 @@ class Follower {
         return c.goes_on;
     }
 
-    // Returns the distance, m, along the ray at which the search for further surfaces resumes after the last
-    // hit. It is slightly less than the distance of the hit, because another surface may lie at the same
-    // distance. But then the ray may hit the same surface again. In this case, the search resumes slightly
-    // behind the hit.
+    // Returns the distance, m, along the ray `c` at which the search for further surfaces resumes. Normally,
+    // this is slightly in front of the last hit, because another surface may lie at the same distance. If the
+    // ray has then hit the same surface again (`beyond`), the search resumes slightly behind the hit.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
@@ -86,17 +85,18 @@ class Follower {
         }
         meet(c, key, scene_.surface(key, e.origin, e.direction, t));
         // Decides whether the ray is continued behind this hit, to find further hidden surfaces. If surfaces
-        // that motion may reveal are sought, this is decided anew after each hit by needs_more(), because the
-        // search ends when no moving object lies ahead. Otherwise, it is decided only when a surface is
-        // added, and `goes_on` holds the decision.
+        // that motion may reveal are searched for, needs_more() decides anew after every hit, because the
+        // search can end as soon as no moving object lies ahead. Otherwise, the answer changes only when a
+        // surface is added, so the answer of that time, `goes_on`, is used.
         return by_motion(c) ? needs_more(c) : c.goes_on;
     }
 
   private:
-    // Handles one hit of a ray that is continued through all surfaces to find those hidden behind the first.
-    // Adds the hit to the surfaces that the ray has passed, which `c` describes. Two kinds of hits are
-    // skipped: a hit where the ray leaves an object that it has entered before, and a repeated hit of the
-    // same surface.
+    // Handles the next hit of a ray that is continued behind its first hit, to find hidden surfaces. `c`
+    // describes all surfaces that the ray has passed, and the new surface is added to it. Two kinds of hits
+    // are no new surfaces and are skipped. One is a hit where the ray leaves an object that it has entered
+    // before. The other is a hit of the same surface again, because the search resumes slightly in front of
+    // the last hit.
     void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const FirstHit& e = eye_[c.ray];
         const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;
@@ -163,9 +163,10 @@ class Follower {
 
     [[nodiscard]] bool may_come_to_light(const Chain& c) const {
         if (!by_motion(c)) return false;
-        // Without parallax from the camera's motion, a surface at rest never appears from behind another one
-        // at rest. So if the ray has passed a surface at rest (`still`), only moving objects can still be
-        // revealed, and the ray is continued only if it may hit one.
+        // Decides whether the ray may still find a hidden surface that motion reveals. A surface at rest can
+        // appear from behind another one at rest only by parallax, i.e. if the camera changes its position.
+        // Without parallax, once the ray has passed a surface at rest (`still`), only moving objects can be
+        // revealed. Then the ray is continued only if it may hit one.
         if (!c.still || wanted_.motion->parallax()) return true;
         const FirstHit& e = eye_[c.ray];
         return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
@@ -185,10 +186,10 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // Tests whether the lens sees surface `s` past the surfaces in front. The greater the distance
-        // between them, the more the lens sees. If `s` is a mirror or glass, it shows images that may lie far
-        // behind it, and the lens may see these even if it does not see `s` by its own distance. So `s` is
-        // then also tested as if it were infinitely distant.
+        // Tests whether some lens point sees surface `s` past the surfaces in front of it. The farther `s`
+        // lies behind them, the more of it a lens point sees. If `s` is a mirror or glass, its images may
+        // appear far behind it, so a lens point may see an image where it does not see the rest of `s`.
+        // Therefore, such a surface is also tested as if it were infinitely distant.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -204,9 +205,10 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // Returns true if motion may uncover surface `s`, which the ray hits behind other surfaces. A surface in
-    // front of `s` continues to hide it if both move equally in the image. So the result is true only if
-    // every surface in front moves differently from `s`.
+    // Returns true if motion may reveal surface `s`, which the ray hits behind other surfaces. A surface in
+    // front continues to hide `s` if both move by the same displacement on the raster. So the result is true
+    // only if, for every surface in front, the raster positions of this surface and of `s` move apart at some
+    // instant.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

@@ -21,25 +21,29 @@ struct HiddenLayers {
     /// Largest number of hidden surfaces per eye ray that are recorded because motion may reveal them.
     /// Further surfaces lie behind all of these, so they are rarely visible.
     static constexpr int most_uncovered = 4;
-    /// Largest number of hidden surfaces per ray that are recorded if only the lens, not motion, may reveal
-    /// them.
+    /// Largest number of hidden surfaces that are recorded behind the first hit of a ray if only the lens may
+    /// reveal them, and not motion. From some lens points, they are visible past the edge of the first
+    /// surface.
     static constexpr int most_seen_past = 3;
-    /// The lens or motion may reveal a strip of a hidden surface beside an edge. If the strip is at most this
-    /// wide, px, the surface counts as invisible and is not recorded. Such a strip covers at most a quarter
-    /// of a pixel. This is about one of the pixel's image samples, of which there are at least four.
+    /// Hidden surfaces appear beside the edges of nearer surfaces when the lens point or the instant changes.
+    /// If such a visible strip is at most this wide, px, the hidden surface counts as invisible and is not
+    /// recorded. The error is small, because the strip covers at most a quarter of a pixel, and a pixel of
+    /// the image is the mean of four or more samples.
     static constexpr double invisible_px = 0.25;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
-    /// Predicts the motion of the camera and of objects. If not null, find_hidden_surfaces returns the hidden
-    /// surfaces that motion may reveal, at most `most_uncovered` per ray. If both `motion` and `lens` are
-    /// null, it returns all hidden surfaces.
+    /// The motion of the camera and of objects on the raster; may be null. If given, find_hidden_surfaces
+    /// returns the hidden surfaces that this motion may reveal, at most `most_uncovered` per ray. If neither
+    /// `motion` nor `lens` (below) is given, it returns all hidden surfaces, whether anything reveals them or
+    /// not.
     const FilmMotion* motion = nullptr;
-    /// Decides which hidden surfaces a lens may see. If not null, find_hidden_surfaces also returns these
-    /// surfaces, in addition to those that motion may reveal. The lens may see them directly, in mirrors or
-    /// through glass.
+    /// Tells which hidden surfaces a point of the lens may see, directly, in mirrors or through glass; may be
+    /// null. If given, find_hidden_surfaces returns these surfaces. If `motion` is given, too, it returns the
+    /// surfaces that the lens or the motion may reveal.
     const LensReach* lens = nullptr;
-    /// The connected parts of each object, such as the leaves of a tree. Null if every object is a single
-    /// part.
+    /// The connected parts of each object, such as the leaves of a tree. A ray that enters one leaf must
+    /// leave this leaf, so the front and back of a leaf are not counted as two surfaces. Null if every object
+    /// is a single part.
     const ObjectParts* parts = nullptr;
     double same_place_px = invisible_px;  ///< only for `motion`; `lens` has its own
 
@@ -73,10 +77,10 @@ struct HiddenHit {
     SurfacePoint surface;     ///< t is measured from the ray's origin
 };
 
-/// Finds the surfaces that are hidden behind the first hits `eye`, and sorts them by ray and then by layer,
-/// i.e. by the number of surfaces in front. The background behind the last surface may be visible, too. Then
-/// it is added as a hit with the key `none`. Adds the number of traced rays to `rays_spent`. Thread-safe and
-/// deterministic.
+/// Finds the surfaces that are hidden behind the first hits of rays. `eye` holds these rays with their first
+/// hits. The result `out` is sorted by ray, and for each ray by layer, i.e. by the number of surfaces in
+/// front. If the background behind the last surface may be revealed, too, it is added as a hit without a
+/// valid key. Adds the number of traced rays to `rays_spent`. Thread-safe and deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
                           std::vector<HiddenHit>& out, std::uint64_t& rays_spent);
 

@@ -15,10 +15,10 @@ namespace {
 
 constexpr int tile = 16;
 
-/// Returns a hint for a search of the pyramid, i.e. the square of pixels that is tested first. The pyramid
-/// stores the inverse depths of the visible surfaces and is searched for depth edges. The hint is the square
-/// in which this thread's last search for a similar column x and a similar inverse depth ended, because the
-/// next such search often ends there, too.
+/// Returns the hint for a search for depth edges: the square of pixels that is tested first. `pyramid` stores
+/// the inverse depths of the visible surfaces. The hint is the square in which this thread's last search for
+/// a similar inverse depth, 1/m, at a similar column `x`, px, ended. The next such search often ends there,
+/// too.
 MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid, double inverse_depth, double x) {
     thread_local std::array<MinMaxPyramid::Hint, 1024> hints;
     const std::size_t depth =

@@ -27,52 +27,59 @@ namespace postlens {
 /// The inverse depth of a node is half the trace of W. For a surface seen directly, it is 1 / depth.
 class LensReach {
   public:
-    /// Hidden surfaces that the lens sees past an edge are recorded in a strip of pixels beside the edge. The
-    /// strip is widened by this margin, px, because the edge is known only to a pixel and only whole pixels
-    /// are recorded.
+    /// Margin, px. From some lens points, a hidden surface is visible past the edge of a nearer surface. In
+    /// the pinhole image, it is therefore recorded within a certain distance from this edge. The margin is
+    /// added to this distance, because the edge is known only with an accuracy of one pixel, and only whole
+    /// pixels are recorded.
     static constexpr double margin_px = 2.5;
-    /// Decides whether there is a depth edge between two pixels. When the lens point moves from the centre of
-    /// the lens to its rim, the surfaces in the two pixels move apart in the image if their depths differ.
-    /// There is an edge if they move apart by at least this fraction of the distance between the pixels.
+    /// Decides whether two pixels at the distance d, px, have a depth edge between them. When the lens point
+    /// moves from the centre of the lens to its rim, the images of surfaces at different depths move apart.
+    /// There is an edge between the pixels if their surfaces move apart by at least edge_slope * d. So a
+    /// moderately inclined surface has no edges.
     static constexpr double edge_slope = 0.125;
     /// Hidden surfaces are recorded only in rays with at most this number of reflections and refractions.
     /// After more bounces, they are numerous and faint.
     static constexpr int most_bounces = 2;
 
-    /// Finds the depths of the visible surfaces. One ray from the lens centre is traced for each pixel of the
-    /// columns x_begin to x_end - 1 and the rows y_begin to y_end - 1. The camera must be a perspective
-    /// camera.
+    /// Finds the depths of the visible surfaces, to decide later what a lens may see past them. One ray from
+    /// the lens centre is traced for each pixel of the columns x_begin to x_end - 1 and the rows y_begin to
+    /// y_end - 1. The camera must be a perspective camera.
     /// - `aperture_radius_m`: radius of the lens; greater than 0
-    /// - `same_place_px`: when the lens point moves from the centre to the rim, two surfaces move apart in
-    ///   the image. If they do so by less than this, px, they count as equally deep.
+    /// - `max_depth`: largest number of surfaces on a path of reflections and refractions
+    /// - `same_place_px`: two surfaces count as equally deep if their images move apart by less than this,
+    ///   px, when the lens point moves from the centre of the lens to its rim
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
               double same_place_px, int x_begin, int x_end, int y_begin, int y_end);
 
-    /// The surfaces that a ray has crossed so far. They may hide farther surfaces from the lens.
+    /// Describes the surfaces that one ray has crossed so far: an eye ray, or a ray after reflections and
+    /// refractions. From the lens centre, they hide everything behind them on this ray. From another lens
+    /// point, hidden surfaces may be visible past them.
     struct Covers {
         glm::dvec2 at{0};          ///< raster position of the eye ray, px
         NodePath path;             ///< path of these surfaces; empty for an eye ray
         std::uint32_t parent = 0;  ///< id of the object of the last bounce; 0 if none
         double nearest = 0;        ///< inverse depth of the first surface, 1/m
         double farthest = 0;       ///< inverse depth of the farthest surface, 1/m
-        /// Inverse depth, 1/m, of the farthest surface that may lie behind these surfaces, i.e. of an
-        /// infinitely distant point on the ray. It is 0 for an eye ray. After a bounce at a curved mirror, it
-        /// is not 0, because the mirror shows distant points at a finite depth.
+        /// Inverse depth, 1/m, at which an infinitely distant point on the ray appears to the lens. No
+        /// surface behind the crossed ones appears farther away. The value is 0 for an eye ray. After a
+        /// bounce at a curved mirror, it is not 0, because such a mirror shows even infinitely distant points
+        /// at a finite depth.
         double limit = 0;
     };
     /// Returns true if some lens point may see a hidden surface on a ray. `behind` is the inverse depth, 1/m,
     /// of the hidden surface, and `covers` describes the surfaces in front of it on the same ray. If the
     /// result is false, certainly no lens point sees the hidden surface.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
-    /// Returns true if the lens may see the infinitely distant background behind the surfaces that a ray
-    /// crosses. `covers` describes these surfaces.
+    /// Returns true if some lens point may see the infinitely distant background past the surfaces that
+    /// `covers` describes. These are the surfaces in front of the background on a ray from the lens centre.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
 
-    /// Returns the inverse depth, 1/m, of a recorded point. The matrix `w` describes how the point's image
-    /// moves when the lens point moves. Its mean diagonal entry is the inverse depth. For a surface that is
-    /// seen directly, both diagonal entries are 1 / depth.
+    /// Returns the inverse depth, 1/m, at which a recorded point appears. The matrix `w` describes how the
+    /// point's image moves when the lens point moves. If the point is seen directly, both diagonal entries of
+    /// `w` are 1 / depth. In a curved mirror, the point appears at two different depths, for horizontal and
+    /// for vertical lines. The mean of both entries is then used.
     [[nodiscard]] static double inverse_depth(const Mat2& w) {
         return (static_cast<double>(w.xx) + static_cast<double>(w.yy)) / 2;
     }

@@ -18,8 +18,9 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
-// Upper limit of the weight of a ray. The mean over the glossy lobe of a surface hit also uses the rays of
-// neighbouring hits, each with a weight. High weights cause noise, so they are limited.
+// Upper limit of the weight of a ray. The ray of one surface hit is used also for hits nearby, to compute the
+// mean radiance that arrives from the directions of their glossy lobes. In each of these means, the ray has a
+// weight. A mean in which single rays have high weights is noisy, so the weights are limited.
 constexpr double most_weight = 8;
 
 // Returns true if the glossy lobes of two surface hits overlap so much that the hits may share rays to
@@ -30,19 +31,20 @@ bool overlap(const LobeHit& a, const LobeHit& b) {
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// The mean radiance over the glossy lobe of a hit also uses the rays of other hits close to it, multiplied by
-// a weight. Returns a factor of this weight for the rays of hit `b` in the mean of hit `a`. It decreases with
-// the distance of the hits on the raster and is 0 at the distance `reach_px`. Therefore, the mean changes
-// continuously over the image.
+// Returns one of the factors of the weight with which rays of the surface hit `b` count for the surface hit
+// `a`. To compute the mean radiance over its glossy lobe, `a` reuses rays of hits nearby. The factor
+// decreases with the distance between the two hits on the raster, and is 0 from the distance `reach_px` on.
+// So no hit appears or vanishes suddenly, and the mean changes continuously over the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
     return share > 0 ? share * share : 0;
 }
 
-// Returns the position of the raster position `at`, px, along a Morton curve with steps of 1/4 px. Hits are
-// sorted by this index and then take the successive points of a stratified random sequence. The curve keeps
-// neighbours together, so hits that are close together get well distributed points.
+// Returns the index of the raster position `at`, px, on a Morton curve, which visits all points of a grid
+// with a spacing of 1/4 px. Surface hits with glossy lobes are sorted by this index, and in this order take
+// successive points of a stratified random sequence. The curve mostly visits neighbours one after another. So
+// the random rays of hits that are close together are well distributed.
 //
 // 16 bits per coordinate distinguish positions within 16384 px, which is enough for a batch of hits.
 std::uint32_t curve_index(const glm::dvec2& at) {
@@ -122,8 +124,9 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// Traces `rays` from index `first` on, in batches. A batch has a single limit for the number of surfaces that
-// each ray may still hit, the hits' `nodes_left`. So `rays` must be sorted by `nodes_left`.
+// Traces `rays` from index `first` on, in batches. The hit to which a ray belongs limits how many surfaces
+// the ray may still hit by reflections and refractions (`nodes_left`). All rays of a batch must have the same
+// limit. So `rays` must be sorted by the `nodes_left` of their hits.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;

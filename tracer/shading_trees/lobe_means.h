@@ -1,6 +1,7 @@
-// Computes the mean of the radiance that a glossy surface receives from a wide lobe of directions.
-// Neighbouring samples share rays for it. The mean is almost the same from every lens point. Therefore, it
-// becomes part of the radiance in the record of the glossy surface.
+// Computes the mean radiance that a glossy surface receives from its lobe, a cone of directions around that
+// of exact reflection or refraction. To save rays, a ray that is traced for one surface point also counts for
+// points nearby. If the lobe is wide, the mean is almost the same from every lens point. Therefore, it is
+// stored as part of the surface's own radiance.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +27,9 @@ struct LobeHit {
     double exponent = 1;   ///< exponent of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    /// Radiance of the hit without its glossy lobes, times the throughput, i.e. the part of this radiance
-    /// that reaches the eye. The brighter this part is, the less visible is the noise of the lobes in the
-    /// image. So a brighter hit needs fewer rays.
+    /// What the hit adds to its image sample without its glossy lobes: its radiance times the throughput,
+    /// i.e. the fraction of this radiance that reaches the eye. The brighter this is, the less visible is the
+    /// noise that random rays into the lobes cause in the sample. So fewer rays are then traced.
     glm::dvec3 beside{0};
 };
 
@@ -62,8 +63,9 @@ class LobeMeans {
     /// Keeps a reference to the scene.
     LobeMeans(const RayScene& scene, const WhittedSettings& settings);
 
-    /// Sets means[i] to the mean radiance that arrives at hits[i] from the directions of its glossy lobe. The
-    /// caller must multiply it by hits[i].weight, the factor of this radiance in the sample. Adds the numbers
+    /// Sets means[i] to the mean radiance that arrives at the surface point hits[i] from the directions of
+    /// its glossy lobe. To get what this adds to the image sample, the caller must multiply it by
+    /// hits[i].weight, which contains the reflectance and the losses on the way to the eye. Adds the numbers
     /// of traced rays of each kind to `counts`. Thread-safe.
     void average(std::span<const LobeHit> hits, std::vector<glm::dvec3>& means, RayCounts& counts) const;
 
@@ -78,10 +80,10 @@ class LobeMeans {
     std::vector<double> bound_;  ///< for each number of nodes left, an upper bound of the radiance of a ray
 };
 
-/// Returns the density of the glossy lobe of `hit` in the unit direction `direction`. It is relative to the
-/// density of the lobe cos^exponent on its axis. Random directions that point into the surface are mirrored
-/// to the front. Therefore, the density is 0 in such directions, and it is greater in their mirror
-/// directions.
+/// Returns how densely the random directions of the glossy lobe of `hit` lie around the unit direction
+/// `direction`. The lobe is cos^exponent, and 1 is the density of this function on the lobe's axis. Random
+/// directions that point into the surface are mirrored to its front. Therefore, the result is 0 for
+/// directions into the surface, and is increased for their mirror directions.
 [[nodiscard]] double folded_lobe(const LobeHit& hit, const glm::dvec3& direction);
 
 }  // namespace postlens

@@ -127,9 +127,10 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
             if (open[i].promise > open[count - 1].promise) std::swap(open[i], open[count - 1]);
         return true;
     };
-    // Level on which the search starts: the first one whose squares are at least as wide as the search
-    // radius, so that the search circle overlaps at most 3 x 3 squares. Most circles are small, so a search
-    // from the top of the pyramid down to this level would take longer.
+    // The level of the pyramid on which the search starts. A level holds the least and the greatest value in
+    // squares, which are twice as wide as on the level below. The search starts on the finest level whose
+    // squares are at least as wide as `radius`, the search radius. There, the search circle overlaps at most
+    // 3 x 3 squares. A search from the coarsest level down would take longer, because most circles are small.
     const int top = level_of_width(radius);
     const Squares around = squares_around(at, radius, top);
     bool going = meet(top, around.x_first, around.x_last, around.y_first, around.y_last);

@@ -13,9 +13,10 @@ using glm::dvec3;
 Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
     const double m00 = glm::dot(a0, a0), m01 = glm::dot(a0, a1), m11 = glm::dot(a1, a1);
     const double det = m00 * m11 - m01 * m01;
-    // `det` is the determinant of the equations for the matrix W, which describes how a point's image moves
-    // when the lens point moves. Where neighbouring rays converge in one point, `det` is 0 and W would be
-    // infinite. So the entries of W are limited to 1e30, which a float can store.
+    // The matrix W describes how a point's image moves when the lens point moves. It is the solution of
+    // linear equations with the determinant `det`. Where neighbouring rays converge in one point, `det` is 0
+    // and W would be infinite. Then `inverse` is a huge number instead of 1 / det, and the entries of W are
+    // limited to 1e30, which a float can store.
     const double inverse = det > 0 ? 1 / det : 1e300;
     const auto clamped = [](double v) {
         return static_cast<float>(std::isfinite(v) ? std::clamp(v, -1e30, 1e30) : 1e30);
@@ -30,9 +31,10 @@ Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
 
 RayDifferentials eye_differentials(const CameraModel& camera, const CameraRay& ray) {
     RayDifferentials out;
-    // An eye ray with the tangent (p_x, p_y) has the direction D = v / |v|, where v = forward + p_x right +
-    // p_y down. `across` returns the derivative of D for a given derivative dv of v: (dv - D (D . dv)) / |v|.
-    // Here, 1 / |v| is `cos_axis`, the cosine of the angle to the optical axis.
+    // The tangent (p_x, p_y) of an eye ray holds its slopes along the raster's axes. So the ray's direction
+    // is D = v / |v|, where v = forward + p_x right + p_y down. If p_x or p_y changes, v changes by dv, which
+    // is `right` or `down`. `across` returns the resulting derivative of D, which is (dv - D (D . dv)) / |v|.
+    // Here, 1 / |v| is `cos_axis`, the cosine of the ray's angle to the optical axis.
     const auto across = [&](const dvec3& dv) {
         return (dv - ray.direction * glm::dot(ray.direction, dv)) * ray.cos_axis;
     };

@@ -11,18 +11,21 @@
 
 namespace postlens {
 
-/// Derivatives of a ray's point and unit direction with respect to (p_x, p_y, q_x, q_y).
-/// - p: tangent of the eye ray, that is, its direction divided by its component along the optical axis
-/// - q: lens point, m
-/// Both are along the raster's axes (x right, y down).
+/// Tells how a ray changes when the eye ray from which it arose changes. Four numbers describe the eye ray,
+/// along the raster's axes (x right, y down):
+/// - p_x, p_y: its tangent, i.e. its direction divided by its component along the optical axis
+/// - q_x, q_y: the lens point at which it starts, m
+///
+/// The arrays hold the derivatives with respect to p_x, p_y, q_x and q_y, in this order: `point` those of a
+/// point on the ray, and `direction` those of its unit direction.
 struct RayDifferentials {
     std::array<glm::dvec3, 4> point{};
     std::array<glm::dvec3, 4> direction{};
 };
 
-/// Returns the derivatives of the origin and direction of an eye ray of a perspective camera, at the ray's
-/// origin. They are taken with respect to the tangent of the eye ray (its direction divided by its component
-/// along the optical axis) and to the lens point, m.
+/// Returns how an eye ray of a perspective camera changes: the derivatives of its origin and of its unit
+/// direction. They are taken with respect to its tangent (its direction divided by its component along the
+/// optical axis) and to its lens point, m.
 [[nodiscard]] RayDifferentials eye_differentials(const CameraModel& camera, const CameraRay& ray);
 
 /// Moves ray differentials along the ray by the distance `t`, to a hit on a surface with the normal `normal`.
@@ -52,7 +55,9 @@ void transfer(RayDifferentials& differentials, const glm::dvec3& direction, doub
 /// huge but finite.
 [[nodiscard]] Mat2 refocus_matrix(const RayDifferentials& differentials);
 
-/// Returns the matrix W of a ray that hits nothing: the background's image moves by -W q for a lens point q.
+/// Returns the matrix W, 1/m, of a ray that hits nothing, i.e. sees the background. W tells how the
+/// background's image moves: if the lens point moves by q, in m, from the lens centre, the tangent of the ray
+/// to the same background direction changes by -W q. The tangent consists of the slopes x / z and y / z.
 [[nodiscard]] Mat2 refocus_matrix_at_infinity(const RayDifferentials& differentials);
 
 }  // namespace postlens

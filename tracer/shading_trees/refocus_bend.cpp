@@ -19,10 +19,10 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // point. The steps use the derivatives of the ray through the lens centre. For other lens points, these
 // derivatives are inexact, so each step reduces the error only about tenfold.
 constexpr int most_steps = 5;
-// Newton's method changes the direction of a ray from a lens point until the ray reaches a given surface
-// point. It ends when a step moves the ray by at most settled_px on the raster. It also ends when the
-// estimated error is at most settled_share of the sought result, i.e. of the ray's deviation from the
-// direction that a linear function of the lens point predicts.
+// Decides when Newton's method ends. It changes the direction of a ray from a lens point, step by step, until
+// the ray reaches a given surface point. It ends after a step that moves the ray by at most settled_px on the
+// raster. It also ends when the estimated error is at most settled_share of the result. The result is by how
+// much the ray's direction deviates from a linear prediction.
 constexpr double settled_share = 0.05, settled_px = 0.1;
 // Newton's method approaches the sought ray in steps. The error that remains after a step is estimated as a
 // fraction of the length of this step. After the first step, the fraction is this constant. After each later
@@ -102,9 +102,10 @@ class Prober {
         ++p.bounces;
         p.lost = false;
     }
-    // Returns by how much the next step of Newton's method must change the tangent (direction) of ray p, so
-    // that the ray comes closer to its target. The step uses the derivatives of the ray through the lens
-    // centre, because those of p are not computed.
+    // Returns the next step of Newton's method, which searches for a ray from a lens point to a given surface
+    // point. The step is a change of the tangent (direction) of the current ray `p` that makes the ray miss
+    // the point by less. The derivatives of `p` are not known. Instead, those of the ray from the lens centre
+    // to this point are used, because they are similar.
     [[nodiscard]] dvec2 correction(const Probe& p) const {
         const BentNode& n = nodes_[p.node];
         const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;
@@ -123,9 +124,10 @@ class Prober {
     std::span<const BentNode> nodes_;
 };
 
-// Each probe is a search, by Newton's method, for the ray from a lens point that reaches a given surface
-// point. Traces the current ray of each unfinished search (`open`) through its reflections and refractions to
-// its last bounce.
+// Traces rays for Newton's method. Each probe searches for the direction in which a ray from a lens point
+// reaches a given surface point. This function traces the current ray of every unfinished search, whose index
+// is in `open`. It follows the ray through all reflections and refractions of its path; whether the last part
+// then hits the point is tested elsewhere.
 void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& probes,
             const std::vector<std::uint32_t>& open, std::uint64_t& rays_spent) {
     thread_local RayBatch batch;
@@ -162,8 +164,10 @@ bool runs_away(const dvec2& tangent) {
     return !(glm::length(tangent) < widest_tangent);
 }
 
-/// Newton's method for rays from lens points to given surface points. The tangent of such a ray is almost a
-/// linear function of the lens point. Its deviation from this function is called departure.
+/// Finds, by Newton's method, rays that start at lens points, follow given mirrors and glass objects and
+/// reach given surface points. The ray through the lens centre is known for each surface point. From it, a
+/// linear function predicts the tangent (slopes) of the ray from another lens point. The deviation of the
+/// exact tangent from this prediction is called departure.
 struct Search {
     std::vector<Probe> probes;
     std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged
@@ -204,8 +208,10 @@ void Search::correct(const Prober& prober, bool first_step) {
     for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
     for (const std::uint32_t i : open) {
         Probe& p = probes[i];
-        // No ray from this lens point that reaches the surface point was found (`lost`). In this case, the
-        // result for the surface point, `w_bend`, is infinite. So all further rays to this point are skipped.
+        // Ends all searches for rays to this surface point if one of them failed (`lost`), i.e. no ray from
+        // its lens point to the surface point was found. The result for the surface point, `w_bend`, tells
+        // how nonlinearly its image moves when the lens point moves. It is then infinite, whatever the other
+        // rays would show.
         if (p.lost) ended[p.node] = true;
         if (p.ended()) continue;
         const dvec2 change = prober.correction(p);
@@ -229,10 +235,10 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // `departure` measures how much the direction of a ray to the surface point deviates from a
-            // linear function of the lens point. The result for the point is the largest departure of all its
-            // rays. So the search for a ray ends early if its departure is certainly smaller than that of
-            // another ray.
+            // Ends the search for this ray early if it cannot change the result. `departure` tells how much
+            // the ray's direction deviates from a linear prediction. The result for the surface point is only
+            // the largest departure of all rays to it. So the ray need not be found exactly if its departure
+            // is certainly smaller than that of another ray, `at_least`.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -258,10 +264,10 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // A ray's departure is the deviation of its direction from a linear function of the lens point. It is
-    // mainly of second order, so the ray from the opposite lens point has almost the same departure.
-    // Therefore, rays from the opposite lens points are traced only for surface points with a larger
-    // departure, which are not `straight`.
+    // A ray's departure is the deviation of its direction from a linear prediction, where the prediction is
+    // exact for the lens centre. The departure grows with the square of the distance from the centre. So the
+    // rays from two opposite lens points have almost equal departures. The opposite lens points, -q, are
+    // therefore used only where the departure is large, i.e. where `straight` is false.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
@@ -277,9 +283,10 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // Each element of `out` is the result `w_bend` for one surface point. A negative element means that the
-    // rays from all lens points failed before their last bounce. Then the result is unknown, which infinity
-    // stands for.
+    // `out` holds `w_bend` of each surface point, which tells how nonlinearly its image moves when the lens
+    // point moves. Rays from several lens points measure it. It is still negative if none of these rays
+    // completed the bounces of the path, because each of them hit another object or nothing before. Then
+    // `w_bend` is unknown, and infinity stands for this.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

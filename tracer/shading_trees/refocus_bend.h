@@ -1,5 +1,6 @@
-// Images in mirrors and glass move nonlinearly when the lens point moves. Measures with additional rays by
-// how much (`w_bend`).
+// Measures how nonlinearly images in mirrors and glass move when the lens point moves. The sample file stores
+// a linear prediction of this motion. Additional rays from several lens points measure the error of the
+// prediction, which is stored as `w_bend`.
 #pragma once
 
 #include <array>
@@ -21,10 +22,10 @@ struct Bounces {
     bool flat = true;  ///< all bounces are reflections at flat surfaces, for which W is exact
 };
 
-/// A surface hit that is seen in a mirror or through glass. When the lens point moves by q, its image moves
-/// almost linearly. `w_bend` is the error of the linear prediction, divided by |q|^2, in 1/m^2. To measure
-/// it, rays from other lens points are sought that bounce at the same objects and reach the same point,
-/// `target`.
+/// A surface hit that is seen in a mirror or through glass. When the lens point moves by q, m, from the lens
+/// centre, the image of this hit moves almost linearly. `w_bend` is the error of the linear prediction of
+/// this motion, divided by |q|^2, in 1/m^2. It is measured by exact rays: for several lens points, the ray is
+/// found that bounces at the same objects and reaches the same point, `target`.
 struct BentNode {
     std::uint32_t node = 0;  ///< index for the caller's use
     NodePath path;
@@ -34,8 +35,9 @@ struct BentNode {
     glm::dvec3 target{0};      ///< end of the path, world
     glm::dvec3 direction{0};   ///< direction of the path's last ray, unit length
     glm::dvec2 tangent{0};     ///< tangent of the eye ray, along the raster's axes
-    /// Derivatives of the hit's world position, in m, with respect to `tangent`. The tangent consists of the
-    /// slopes x / z and y / z of the eye ray that leads to the hit, where z is along the optical axis.
+    /// How the world position, m, of the surface hit changes with the eye ray that leads to it: the
+    /// derivatives with respect to the two components of `tangent`. These are the eye ray's slopes x / z and
+    /// y / z, where z is along the optical axis.
     std::array<glm::dvec3, 2> by_tangent{};
     Mat2 w;
 };

@@ -24,10 +24,11 @@ struct WhittedSettings {
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
-    /// Radius of the lens, m. A glossy surface reflects or refracts light into a lobe of directions. If the
-    /// lobe is wider than the lens, as seen from the surface, every lens point sees about the same mean
-    /// radiance over the lobe. Then this mean becomes part of the surface's record. Otherwise, the lobe is
-    /// treated like a sharp mirror or glass. If the radius is 0, the means over all lobes are recorded.
+    /// Radius of the lens, m. It decides how glossy surfaces are recorded. A glossy surface reflects or
+    /// refracts a lobe (cone) of directions. If the lobe is wider than the lens, as seen from the surface,
+    /// every lens point sees about the same mean radiance, so this mean is recorded as part of the surface's
+    /// radiance. A narrower lobe is treated like a sharp mirror or glass. With radius 0, every lobe counts as
+    /// wider.
     double lens_radius_m = 0;
     /// False for callers that need only positions. Radiances are then undefined.
     bool lit = true;
@@ -53,9 +54,10 @@ struct RayCounts {
     }
 };
 
-/// The last ray of a path that contains at least one reflection or refraction, i.e. the ray that arrives at a
-/// surface seen in a mirror or in glass. To find the images of small bright objects there, such objects are
-/// searched for between the rays that arrive from the four corners of a quadtree cell.
+/// A reflected or refracted ray that arrives at a surface, i.e. the last ray of a path with at least one
+/// bounce. It is used to find small bright objects that mirrors or glass show between the samples. For this,
+/// the rays that arrive after the same bounces from the four corners of a quadtree cell are combined: a
+/// bright object in the space between them is visible in the cell.
 struct Arrival {
     glm::vec3 from{0}, direction{0};  ///< m; the direction has unit length
     float length = 0;                 ///< m; infinity if it hits nothing
@@ -73,9 +75,10 @@ struct ColourSource {
     std::uint32_t part = 0;            ///< part of the object (ObjectParts); 0 without WhittedSettings::parts
 };
 
-/// The surfaces that are recorded for a batch of samples (eye rays). The records of sample i have the indices
-/// offsets[i] to offsets[i + 1] - 1. They are sorted by layer, where 0 is the visible one, and then by path,
-/// i.e. the sequence of bounces that leads to the surface.
+/// The results of a batch of samples. A sample is one eye ray, and its records describe all surfaces that are
+/// recorded for it. The records of sample i have the indices offsets[i] to offsets[i + 1] - 1. They are
+/// sorted by layer: layer 0 contains what is visible, and each further layer belongs to one hidden surface.
+/// Within a layer, they are sorted by path, the sequence of bounces that leads to the surface.
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
@@ -84,17 +87,18 @@ struct TracedSamples {
     std::vector<glm::vec3> noisy;
     /// One entry per record. Empty without textures, lights and WhittedSettings::parts.
     std::vector<ColourSource> sources;
-    /// For each record, the reflected or refracted ray that hit its surface. If an eye ray hit it, the entry
-    /// has default values. The entries are used to find images of small bright objects in mirrors and glass.
-    /// The list is empty if the scene has no mirrors and glass, or nothing brighter than white.
+    /// For each record (surface hit), the reflected or refracted ray that hit the surface. If an eye ray hit
+    /// it, the element is Arrival{}. Such rays are needed because small bright objects may be visible in
+    /// mirrors and glass between the traced rays. The list is empty if the scene has no mirrors and glass, or
+    /// nothing brighter than white.
     std::vector<Arrival> arrivals;
 };
 
 class WhittedTracer {
   public:
-    /// The tracer keeps references to `scene`, `camera` and all objects to which `settings` and `hidden`
-    /// point, so these must exist as long as the tracer. Hidden surfaces are shaded as if nothing were in
-    /// front of them.
+    /// Keeps references to `scene`, `camera` and all objects to which `settings` and `hidden` point, so these
+    /// must exist as long as the tracer. `hidden` selects which surfaces are recorded although others hide
+    /// them. These are shaded as if nothing were in front of them.
     WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings,
                   const HiddenLayers& hidden = {});
     ~WhittedTracer();
@@ -105,19 +109,22 @@ class WhittedTracer {
 
     /// Traces eye rays through raster positions, px, with all their reflections and refractions. Thread-safe.
     /// Is fastest if 16 successive positions are close together.
-    /// - `around(i)`: returns earlier samples near positions[i]. Each of their records has a `w_bend`, which
-    ///   tells how nonlinearly its image moves when the lens point moves. Additional rays measure it, and
-    ///   reusing it saves these rays.
+    /// - `around(i)`: optional; returns earlier samples near positions[i]. Their records contain `w_bend`,
+    ///   i.e. how nonlinearly the image of a mirrored or refracted surface moves when the lens point moves.
+    ///   Measuring it for the new samples would need additional rays, so the known values are reused where
+    ///   possible.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// Like `trace`, but computes only the visible surfaces and their radiance without sampling noise. These
-    /// decide whether a quadtree cell is subdivided. Does not find hidden surfaces, average glossy lobes or
-    /// measure `w_bend`.
+    /// Like `trace`, but computes only what decides whether a quadtree cell is subdivided: the visible
+    /// surfaces and their radiance. This radiance is an estimate without random noise, because noise would
+    /// cause useless subdivision. Hidden surfaces are not found, glossy lobes are not averaged, and the
+    /// nonlinear motion of mirror images (`w_bend`) is not measured.
     void trace_steady(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
-    /// The image of a surface in a mirror or in glass moves nonlinearly when the lens point moves. Additional
-    /// rays measure its deviation from linear motion. To save these rays, the deviation is taken from
-    /// neighbouring samples if it is at most this value, px. A greater deviation is taken only if the samples
-    /// agree about it; otherwise, it is measured.
+    /// Greatest deviation, px, that is taken from neighbouring samples even if they do not agree. The image
+    /// of a surface in a mirror or in glass does not move quite linearly when the lens point moves.
+    /// Additional rays can measure this deviation. To save them, it is taken from neighbouring samples where
+    /// possible. For this, at least one of them must show the same object. A deviation above this limit is
+    /// taken only if all of them show this object and have similar deviations.
     static constexpr double little_bend_px = 0.125;
 
     /// Returns true if a material reflects or transmits, so that rays may continue after their first hit.

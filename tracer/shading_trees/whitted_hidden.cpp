@@ -1,6 +1,6 @@
-// Shades hidden surfaces, which lie behind the first hits of eye rays and of reflected and refracted rays. A
-// shading tree contains a surface and all surfaces that are seen in it by reflection or refraction. Each
-// hidden surface becomes the root of a shading tree of its own.
+// Shades the surfaces that lie hidden behind the first hit of a ray. The ray may be an eye ray or a reflected
+// or refracted ray. A hidden surface may itself reflect or transmit light. So rays are traced from it, and it
+// becomes the root of its own shading tree, which contains this surface and all surfaces that are seen in it.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

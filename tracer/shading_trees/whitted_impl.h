@@ -89,10 +89,10 @@ struct WhittedTracer::Impl {
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
-        // Surface points whose radiance contains the mean of several random rays. `lobes` lists the points of
-        // glossy surfaces, from which rays are sent into the lobe of reflection or refraction. `extents`
-        // lists the points that are lit by an area light, from which shadow rays are sent to several points
-        // of the light.
+        // Lists of surface points whose radiance is computed after tracing, as a mean over several rays.
+        // `lobes` contains points of glossy surfaces, which send random rays into a cone of directions.
+        // `extents` contains points that area lights illuminate; they send shadow rays to several points of
+        // the light.
         std::vector<LobeHit> lobes;
         std::vector<LobeTarget> lobe_targets;
         std::vector<glm::dvec3> lobe_means;
@@ -117,26 +117,29 @@ struct WhittedTracer::Impl {
     std::vector<double> bound;  // for each number of nodes left, an upper bound of the radiance of a subtree
 
     [[nodiscard]] Workspace& workspace(std::span<const glm::dvec2> positions) const;
-    // Traces all rays of a batch, by number of bounces. start() makes the eye rays. The first call of
-    // generation() traces them, and each further call traces the reflected and refracted rays of the hits
-    // before. If `with_hidden` is true, the first hits are stored, so that the surfaces hidden behind them
-    // can be searched for later.
+    // These functions trace the rays of a batch, one generation after another. A generation contains all rays
+    // with the same number of bounces. start() makes the first generation, the eye rays. Each call of
+    // generation() traces the current generation, and makes the next one from the reflections and refractions
+    // at its hits. If `with_hidden` is true, the first hits are stored, to search for hidden surfaces behind
+    // them later.
     void start(Workspace& w, bool with_hidden) const;
     void generation(Workspace& w, RayCounts& counts) const;
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
-    // Stores the surface hit of a reflected or refracted ray, so that surfaces hidden behind this hit can be
-    // searched for later. Skips the hit if no lens point can see a surface behind it. Also skips it if the
-    // ray leaves a glass object at this hit, because the transmitted ray finds the surfaces behind the glass
-    // anyway.
+    // Stores the surface hit of a reflected or refracted ray, because a lens point may see other surfaces
+    // past this one. These hidden surfaces are searched for later, on the same ray. The hit is not stored if
+    // certainly no lens point sees past it. It is also not stored if the ray leaves a glass object there: the
+    // refracted ray continues behind the glass anyway and finds those surfaces.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
-    // Finds the hidden surfaces that a lens sees in mirrors or through glass. The records of each such
-    // surface form a new layer of the sample. This layer does not repeat the mirror or glass.
+    // Finds the surfaces that lie hidden behind others in a mirror or in glass, and that other lens points
+    // see. Each of them becomes a new layer of the sample, i.e. a group of records beside the visible ones.
+    // The mirror or glass gets no record in the new layer, because the visible layer contains it already.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
-    // Shades the hidden surface that the ray `first` hits at `h`. It is shaded as if nothing were in front of
-    // it, because other lens points or instants see it unobstructed. The surface becomes the root of a new
-    // shading tree.
+    // Shades a hidden surface, which the ray `first` hits at `h` behind other surfaces. Those are ignored,
+    // because the surface is recorded for lens points or instants at which nothing hides it. The surface
+    // becomes the root of a new shading tree, i.e. of the surfaces that are seen in it by reflection or
+    // refraction.
     void root(const FirstHit& first, const HiddenHit& h, PathRay& ray, Workspace& w, RayCounts& counts) const;
     [[nodiscard]] Node& add_node(const PathRay& ray, Workspace& w) const;
     void miss(const PathRay& ray, Workspace& w) const;
@@ -158,17 +161,19 @@ struct WhittedTracer::Impl {
     [[nodiscard]] bool noisy() const { return lobe_means || has_extents; }
     [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
     // Stores a surface point that is seen in a mirror or in glass, so that its `w_bend` can be measured
-    // later. This tells how nonlinearly the point's image moves when the lens point moves. Points whose image
-    // moves linearly are not stored. `s` is null if the ray hit nothing.
+    // later. `w_bend` tells how nonlinearly the point's image moves when the lens point moves. A point that
+    // is seen only in flat mirrors is not stored, because its image moves linearly. `s` is the point, or null
+    // if the ray hit nothing; then the background is stored.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // `w.bent` lists the surface points for which `w_bend` must be found. For some of these points, this
-    // function estimates it from earlier samples nearby, and removes the points from the list. This saves the
-    // rays that measure it.
+    // Estimates `w_bend` from earlier samples nearby, to save rays. `w_bend` tells how nonlinearly the image
+    // of a mirrored or refracted point moves when the lens point moves. `w.bent` lists the points for which
+    // additional rays must measure it. Where the earlier samples suffice for an estimate, the point is
+    // removed from this list.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
-    // Converts the surface hits to records in `out`. The hits are ordered by number of bounces. The records
-    // are ordered by sample, then by layer (the visible or a hidden surface that the sample's ray hits), and
-    // then by path, i.e. the sequence of bounces.
+    // Converts all surface hits of the batch to records in `out`. The hits are ordered by number of bounces.
+    // The records are ordered by sample, then by layer (layer 0 is visible, the others are hidden surfaces),
+    // and then by the sequence of bounces.
     void collect(Workspace& w, TracedSamples& out) const;
 };
 

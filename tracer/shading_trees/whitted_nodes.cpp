@@ -1,9 +1,9 @@
 // Completes the shading trees after tracing. A shading tree contains all surfaces that an eye ray and its
-// reflections and refractions hit. Completing them:
-// - adds the mean radiances over glossy lobes and area lights
-// - measures `w_bend`, i.e. how nonlinearly the images of mirrored or refracted surfaces move when the lens
-//   point moves
-// - converts the surface hits to records for the sample file
+// reflections and refractions hit. Three steps complete it:
+// - The mean radiances that glossy surfaces reflect, and those that area lights cause, are added.
+// - `w_bend` is measured, i.e. how nonlinearly the image of a mirrored or refracted surface moves when the
+//   lens point moves.
+// - The surface hits are converted to records for the sample file.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -103,8 +103,9 @@ void WhittedTracer::Impl::collect(Workspace& w, TracedSamples& out) const {
         const Node& n = w.nodes[i];
         const dvec3 c = n.radiance * n.throughput;
         const std::uint32_t at = next[n.sample]++;
-        // Copies the record before it sets fields. If fields of n.record were set first, the copy would stall
-        // until they are written.
+        // Copies the whole record first, and then sets fields of the copy. The opposite order would be
+        // slower: a processor copies a record by a few wide reads, and such a read must wait until preceding
+        // small writes to the same memory are complete.
         Record& r = out.records[at];
         r = n.record;
         r.x = static_cast<float>(w.positions[n.sample].x);
