@@ -167,6 +167,7 @@ class Field {
         if (set.extra_rays) w.extra.trace(field_, set, at, w.rays.left, w.of_extra);
         if (set.checked) {
             w.checked.check(set);
+            if (set.extra_rays) dilute_checks(at, w);
             const auto copy = [&](const auto& from, auto& to) {
                 for (int y = 0; y < at.height; ++y) {
                     std::copy_n(from.begin() + y * SeenTile::edge, at.width,
@@ -180,6 +181,19 @@ class Field {
             copy(w.checked.sums, out.checks);
         }
         store(at, total_[number], lights, set.rays != nullptr, w, out);
+    }
+
+    /// Check rays measure the error of the mean of the view samples. In pixels with additional rays, the
+    /// image contains only a part of this error.
+    static void dilute_checks(const TilePlace& at, Workplace& w) {
+        for (int y = 0; y < at.height; ++y) {
+            for (int x = 0; x < at.width; ++x) {
+                const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+                const double extra = w.of_extra[k][3], known = w.sum[k][3] + w.rays.sum[k][3];
+                if (!(extra > 0)) continue;
+                for (float& sum : w.checked.sums[k].sum) sum *= static_cast<float>(known / (known + extra));
+            }
+        }
     }
 
     [[nodiscard]] bool has_wanted_marks(std::size_t tile) const {

@@ -1,6 +1,7 @@
 #include "focus/light_field/bright_edges.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -15,7 +16,7 @@ constexpr int most_rays = 16;
 /// so that it causes less noise in each.
 constexpr double widest_blur_px = 4;
 /// Largest mean number of additional rays per view, over all pixels of the sample file.
-constexpr double most_per_pixel = 0.1;
+constexpr double most_per_pixel = 0.25;
 /// A pixel counts as filled if bright surfaces cover more than this part of it.
 constexpr float filled_px2 = 0.99F;
 
@@ -39,19 +40,19 @@ void BrightEdges::add(const SheetMesh& mesh, const HighlightRule& rule, const Pa
     std::vector<float> covered;  // per pixel, px^2
     const std::vector<BrightSheet> sheets = bright_sheets(mesh);
     for (const Highlight& light : mesh.bright) {
+        const SheetKey& key = mesh.sheets[light.sheet].key;
         const double blur_px = lens.least_blur_px(light.w),
                      radiance = static_cast<double>(std::max({light.rgb[0], light.rgb[1], light.rgb[2]}) /
                                                     light.area);
+        if (!(radiance >= radiance_per_ray) || !(blur_px <= widest_blur_px)) continue;
         const Bright here{static_cast<int>(std::floor(light.x)), static_cast<int>(std::floor(light.y)),
                           static_cast<int>(std::min<double>(most_rays, radiance / radiance_per_ray)),
-                          static_cast<int>(std::ceil(std::min(blur_px, widest_blur_px) + 0.5))};
+                          static_cast<int>(std::ceil(blur_px + 0.5))};
         const bool is_recorded = here.x >= recorded_.x_begin && here.x < recorded_.x_end &&
                                  here.y >= recorded_.y_begin && here.y < recorded_.y_end;
-        if (here.rays < 1 || !(blur_px <= widest_blur_px) || !is_recorded ||
-            rule.takes(light, mesh.sheets[light.sheet].key, sheets[light.sheet]))
-            continue;
+        if (!is_recorded || rule.takes(light, key, sheets[light.sheet])) continue;
         covered.resize(rays_.size());
-        covered[index(here.x, here.y)] += light.area;
+        if (!key.hidden) covered[index(here.x, here.y)] += light.area;
         found.push_back(here);
     }
     const auto is_filled = [&](int x, int y) {
@@ -74,13 +75,24 @@ void BrightEdges::add(const SheetMesh& mesh, const HighlightRule& rule, const Pa
     }
 }
 
-void BrightEdges::limit() {
-    double sum = 0;
-    for (const std::uint8_t rays : rays_) sum += rays;
-    const double most = most_per_pixel * static_cast<double>(rays_.size());
-    if (sum > most) {
-        for (std::uint8_t& rays : rays_) rays = static_cast<std::uint8_t>(rays * (most / sum));
+int BrightEdges::most_in(const RasterWindow& window) const {
+    const RasterWindow in = common(window, recorded_);
+    int most = 0;
+    for (int y = in.y_begin; y < in.y_end; ++y) {
+        for (int x = in.x_begin; x < in.x_end; ++x) most = std::max<int>(most, rays_[index(x, y)]);
     }
+    return most;
+}
+
+void BrightEdges::limit() {
+    std::array<double, most_rays + 1> at_least{};  // number of pixels with that many rays or more
+    for (const std::uint8_t rays : rays_) {
+        for (std::size_t n = 1; n <= rays; ++n) ++at_least[n];
+    }
+    double left = most_per_pixel * static_cast<double>(rays_.size());
+    std::uint8_t cap = 0;
+    while (cap < most_rays && at_least[static_cast<std::size_t>(cap) + 1] <= left) left -= at_least[++cap];
+    for (std::uint8_t& rays : rays_) rays = std::min(rays, cap);
     for (const std::uint8_t rays : rays_) most_ = std::max<int>(most_, rays);
 }
 

@@ -26,7 +26,8 @@ class BrightEdges {
     explicit BrightEdges(const RasterWindow& recorded);
     /// Adds the edges of the bright surfaces in `sheets` that `rule` does not leave to blur kernels.
     void add(const TreeSheets& sheets, const HighlightRule& rule, const PatchLens& lens);
-    /// Reduces the numbers of rays to the limit. Call it after the last `add`.
+    /// Reduces the largest numbers of rays until the mean over all pixels is within the limit. Call it after
+    /// the last `add`.
     void limit();
     /// Returns the number of additional rays per view in the pixel (x, y), raster px.
     [[nodiscard]] int rays(int x, int y) const {
@@ -35,6 +36,8 @@ class BrightEdges {
     }
     /// Returns the largest number of additional rays of a pixel.
     [[nodiscard]] int most() const { return most_; }
+    /// Returns the largest number of additional rays of a pixel in a part of the raster.
+    [[nodiscard]] int most_in(const RasterWindow& window) const;
 
   private:
     [[nodiscard]] std::size_t index(int x, int y) const {

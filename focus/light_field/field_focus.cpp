@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/sample_hash.h"
 #include "core/threads.h"
 #include "focus/light_field/bright_edges.h"
 #include "focus/light_field/field_highlights.h"
@@ -108,18 +109,40 @@ bool has_gaps(const PatchPicture& seen, std::size_t number, std::span<const Fiel
 /// Returns number `n`, from 1, of the additional rays of each view in `views`, without their pixel.
 std::vector<SightLine> lines_of(const Aperture& aperture, const FocusGeometry& geometry,
                                 const FieldViews& views, int n) {
-    // The sets of additional rays must be independent of those of the views, whose numbers are small.
-    const int set = views.set + (n << 16);
+    // Each set of lens points has its own number. The numbers of the views' sets are below `stride`, and
+    // those of sets for a prediction (predicted_error.h) are far higher.
+    constexpr int stride = 1024;
+    const int set = views.set + n * stride;
+    // The set of a ray seeds its random numbers, together with its pixel. A hash keeps those of different
+    // sets apart for every size of the image.
+    const auto seed = static_cast<std::uint32_t>(mix64(static_cast<std::uint64_t>(set)));
     std::vector<SightLine> out;
     for (const LensViewPoint& point : lens_view_points(aperture, geometry, views.count, set, views.first)) {
         out.push_back(
             {.place = point.place,
              .lens = point.lens,
              .light_before = point.light_before,
-             .set = static_cast<std::uint32_t>(set),
+             .set = seed,
              .view = static_cast<std::uint32_t>(views.first) + static_cast<std::uint32_t>(out.size())});
     }
     return out;
+}
+
+/// Returns the largest number of additional rays of a pixel in the squares of `piece_px` px in which a set is
+/// drawn. `window` contains the pixels of the image.
+int most_extra_rays(const BrightEdges& edges, const FieldViews& set, const RasterWindow& window,
+                    int piece_px) {
+    int most = 0;
+    for (int y = 0; y < window.height(); y += piece_px) {
+        for (int x = 0; x < window.width(); x += piece_px) {
+            const int width = std::min(piece_px, window.width() - x),
+                      height = std::min(piece_px, window.height() - y);
+            if (set.wanted && !set.wanted(x, y, width, height)) continue;
+            const int left = window.x_begin + x, top = window.y_begin + y;
+            most = std::max(most, edges.most_in({left, left + width, top, top + height}));
+        }
+    }
+    return most;
 }
 
 FieldFocus finished(PatchPicture seen, const std::optional<OneSurface>& simple, bool fill) {
@@ -298,7 +321,8 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets,
             views.extra_rays = [&edges = p.bright_edges, &window](int x, int y) {
                 return edges.rays(window.x_begin + x, window.y_begin + y);
             };
-            for (int n = 1; n <= p.bright_edges.most(); ++n)
+            const int most = most_extra_rays(p.bright_edges, set, window, settings_.piece_px);
+            for (int n = 1; n <= most; ++n)
                 views.extra_lines.push_back(lines_of(settings_.aperture, g, set, n));
         }
         views.checked = set.checked;

@@ -74,8 +74,9 @@ struct EdgeArea {
         const double side = square_px();
         for (int axis = 0; axis < 2; ++axis) {
             const double wanted = std::ceil((end[axis] - begin[axis]) / side - 1e-6) * side;
-            out.end[axis] = std::min(begin[axis] + wanted, 1.0);
-            out.begin[axis] = std::max(out.end[axis] - wanted, 0.0);
+            if (wanted <= end[axis] - begin[axis] + 1e-6 * side) continue;
+            out.end[axis] = begin[axis] + wanted < 1 - 1e-9 ? begin[axis] + wanted : 1;
+            out.begin[axis] = out.end[axis] - wanted > 1e-9 ? out.end[axis] - wanted : 0;
         }
         return out;
     }
@@ -496,7 +497,13 @@ std::vector<EdgeArea> continued(const Measured& m) {
         if (m.low[axis]) larger.begin[axis] = std::max(larger.begin[axis] - by[axis], 0.0);
         if (m.high[axis]) larger.end[axis] = std::min(larger.end[axis] + by[axis], 1.0);
     }
-    if (larger.begin != m.area.begin || larger.end != m.area.end) out.push_back(larger.in_squares());
+    larger = larger.in_squares();
+    constexpr double same_px = 1e-6;
+    const auto grows = [&](int axis) {
+        return larger.begin[axis] < m.area.begin[axis] - same_px ||
+               larger.end[axis] > m.area.end[axis] + same_px;
+    };
+    if (grows(0) || grows(1)) out.push_back(larger);
     const auto crosses = [&](int axis, int to) {
         return to == 0 ||
                (to < 0 ? m.low[axis] && m.area.begin[axis] == 0 : m.high[axis] && m.area.end[axis] == 1);
@@ -591,6 +598,11 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
             }
             any = any || !areas.empty();
         }
+    }
+    // If the rays were used up, light may continue beyond the areas that were searched last. The records of
+    // their pixels stay.
+    for (Edge& edge : edges) {
+        for (const EdgeArea& area : edge.areas) edge.found.erase(area.pixel);
     }
     std::vector<std::vector<Highlight>> out(edges.size());
     parallel_for(edges.size(), [&](std::size_t i) {

@@ -4,15 +4,28 @@
 #include <cstddef>
 #include <glm/glm.hpp>
 
+#include "core/progress.h"
 #include "core/sample_hash.h"
+#include "reproject/patches/view_rays.h"
 
 namespace postlens {
 
 void ExtraRays::trace(const PatchField& field, const PatchViews& set, const TilePlace& at, LeftToRays left,
                       LightSums& sums) {
-    lines_.clear();
-    pixel_.clear();
-    weight_.clear();
+    const auto trace_lines = [&] {
+        throw_if_interrupted();
+        radiance_.resize(lines_.size());
+        set.rays->trace(lines_, left == LeftToRays::samples_and_lights ? LightElsewhere{} : set.less,
+                        radiance_);
+        for (std::size_t i = 0; i < lines_.size(); ++i) {
+            auto& of = sums[pixel_[i]];
+            for (std::size_t c = 0; c < 3; ++c) of[c] += weight_[i] * static_cast<double>(radiance_[i][c]);
+            of[3] += weight_[i];
+        }
+        lines_.clear();
+        pixel_.clear();
+        weight_.clear();
+    };
     for (int y = 0; y < at.height; ++y) {
         for (int x = 0; x < at.width; ++x) {
             const auto wanted =
@@ -30,17 +43,11 @@ void ExtraRays::trace(const PatchField& field, const PatchViews& set, const Tile
                     pixel_.push_back(static_cast<std::uint16_t>(y * SeenTile::edge + x));
                     weight_.push_back(set.views[i].weight);
                 }
+                if (lines_.size() >= lines_together) trace_lines();
             }
         }
     }
-    if (lines_.empty()) return;
-    radiance_.resize(lines_.size());
-    set.rays->trace(lines_, left == LeftToRays::samples_and_lights ? LightElsewhere{} : set.less, radiance_);
-    for (std::size_t i = 0; i < lines_.size(); ++i) {
-        auto& of = sums[pixel_[i]];
-        for (std::size_t c = 0; c < 3; ++c) of[c] += weight_[i] * static_cast<double>(radiance_[i][c]);
-        of[3] += weight_[i];
-    }
+    if (!lines_.empty()) trace_lines();
 }
 
 }  // namespace postlens
