@@ -29,7 +29,7 @@ PartFacts facts_of(const std::string& name) {
 /// `sweep` or a `chart`. This command line is stored in the file. `merge` runs it again to join the files of
 /// all machines.
 std::vector<std::string> words_in(const PartFacts& part) {
-    const std::vector<std::string> words = words_of_mark(part.mark);
+    std::vector<std::string> words = words_of_mark(part.mark);
     const auto foreign = [](const std::string& word) {
         return word.starts_with("--dry-run") || word.starts_with("--share") || word.starts_with("--output") ||
                word.starts_with("-o");
