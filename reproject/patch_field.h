@@ -225,6 +225,7 @@ struct PatchPicture {
     /// For each pixel: the fraction of the views in which the pixel's colour was computed by a traced ray,
     /// and not reprojected from recorded surfaces. Each view is weighted by PatchView::weight. Empty if there
     /// is no ray tracer.
+    /// Additional rays (PatchViews::extra_rays) do not count.
     std::vector<float> traced;
     /// For each pixel: the error of its recorded colours, measured by traced rays in some of its views. Empty
     /// unless PatchViews::checked, which chooses the views, is set.
