@@ -14,16 +14,14 @@
 #include <utility>
 #include <vector>
 
-#include "core/sample_hash.h"
 #include "core/threads.h"
+#include "focus/light_field/square_search.h"
 
 namespace postlens {
 namespace {
 
-/// Traced rays search a pixel, or a rectangle in it, for the light of a highlight. The longer side of this
-/// area is divided into edge_squares squares, and each square is searched by square_rays x square_rays rays.
-/// In a whole pixel, the standard deviation of the lit area found is about pixel_error, in px^2.
-constexpr int edge_squares = 8, square_rays = 2;
+/// The standard deviation of the lit area of a whole pixel that the rays find, in px^2, if no square is
+/// divided again.
 constexpr double pixel_error = 0.007;
 /// Where this is too inaccurate, squares at the edge of the light are divided again, with square_rays x
 /// square_rays rays in each new square. Into how many squares each is divided, along each axis, depends on
@@ -47,40 +45,9 @@ constexpr std::size_t least_measured = 4096;
 /// be measured. It is slightly below 1 because of rounding errors.
 constexpr float filled = 0.9999F;
 
-using Pixel = std::pair<int, int>;  ///< row, column
-
 Pixel pixel_of(const Highlight& light) {
     return {static_cast<int>(std::floor(light.y)), static_cast<int>(std::floor(light.x))};
 }
-
-/// A rectangle within a pixel in which traced rays measure the area of a highlight. `begin` and `end` are its
-/// upper left and its lower right corner, in px from the pixel's upper left corner.
-struct EdgeArea {
-    Pixel pixel;
-    Pixel recorded = pixel;  ///< a pixel with a record of the light in it or in one of its eight neighbours
-    int divided = 1;         ///< into how many squares those at the light's edge are divided, along each axis
-    /// Whether the records are closer together than the rays, unless squares are divided.
-    bool has_fine_records = false;
-    glm::dvec2 begin{0}, end{1};
-
-    [[nodiscard]] double square_px() const {
-        return std::max(end.x - begin.x, end.y - begin.y) / edge_squares;
-    }
-    /// Number of squares along each axis, after in_squares().
-    [[nodiscard]] glm::ivec2 squares() const { return glm::ivec2(glm::round((end - begin) / square_px())); }
-    /// Returns the area, widened within the pixel so that it consists of whole squares.
-    [[nodiscard]] EdgeArea in_squares() const {
-        EdgeArea out = *this;
-        const double side = square_px();
-        for (int axis = 0; axis < 2; ++axis) {
-            const double wanted = std::ceil((end[axis] - begin[axis]) / side - 1e-6) * side;
-            if (wanted <= end[axis] - begin[axis] + 1e-6 * side) continue;
-            out.end[axis] = begin[axis] + wanted < 1 - 1e-9 ? begin[axis] + wanted : 1;
-            out.begin[axis] = out.end[axis] - wanted > 1e-9 ? out.end[axis] - wanted : 0;
-        }
-        return out;
-    }
-};
 
 /// The highlights that rays found in a part of a pixel.
 struct Measured {
@@ -257,183 +224,6 @@ void measure_slopes(std::span<Highlight> lights, const NodeIdentity& node, const
         measure_slopes(part, lines, node, rays);
     });
 }
-
-/// A square within an area that rays search for light, and the light that they find.
-struct Square {
-    glm::dvec2 begin{0};  ///< upper left corner, px from the pixel's upper left corner
-    std::array<float, 3> rgb{};
-    glm::dvec2 at{0};  ///< sum of the positions of the rays that find light
-    int found = 0;     ///< number of these rays
-};
-constexpr int rays_per_square = square_rays * square_rays;
-
-/// Searches squares of one pixel for the light of one surface.
-class SquareSearch {
-  public:
-    SquareSearch(const NodeIdentity& node, const Pixel& pixel, const SightRays& rays,
-                 const LightElsewhere& less)
-        : node_(node),
-          pixel_(pixel),
-          rays_(rays),
-          less_(less),
-          seed_(mix64((std::uint64_t{static_cast<std::uint32_t>(pixel.first)} << 32U) |
-                      static_cast<std::uint32_t>(pixel.second))) {}
-
-    /// Traces rays through `squares`, which are `side_px` wide, and adds the light that they find.
-    void search(std::vector<Square>& squares, double side_px) {
-        std::vector<SightLine> lines;
-        lines.reserve(squares.size() * rays_per_square);
-        for (const Square& square : squares) {
-            for (int i = 0; i < rays_per_square; ++i) {
-                const auto k = static_cast<std::uint32_t>(lines.size());
-                const auto within = [&](int step, std::uint32_t counter) {
-                    return (step + static_cast<double>(unit_float(random_word(seed_, counter)))) /
-                           square_rays;
-                };
-                lines.push_back(
-                    {.x = pixel_.second,
-                     .y = pixel_.first,
-                     .place = square.begin + side_px * glm::dvec2(within(i % square_rays, 2 * k),
-                                                                  within(i / square_rays, 2 * k + 1)),
-                     .view = k});
-            }
-        }
-        const std::vector<NodeIdentity> nodes(lines.size(), node_);
-        std::vector<std::array<float, 3>> radiance(lines.size());
-        rays_.trace_elsewhere(lines, nodes, less_, radiance);
-        for (std::size_t k = 0; k < lines.size(); ++k) {
-            if (radiance[k] == std::array<float, 3>{}) continue;
-            Square& square = squares[k / rays_per_square];
-            for (std::size_t c = 0; c < 3; ++c) square.rgb[c] += radiance[k][c];
-            square.at += lines[k].place;
-            ++square.found;
-        }
-        seed_ = mix64(seed_ + 1);
-    }
-
-  private:
-    NodeIdentity node_;
-    Pixel pixel_;
-    const SightRays& rays_;
-    const LightElsewhere& less_;
-    std::uint64_t seed_;
-};
-
-/// The squares of an area, with a ring of squares around them.
-class SquareGrid {
-  public:
-    SquareGrid(const EdgeArea& area, bool with_ring)
-        : size_(area.squares()), side_px_(area.square_px()), area_(area), with_ring_(with_ring) {
-        for (int y = -1; y <= size_.y; ++y) {
-            for (int x = -1; x <= size_.x; ++x)
-                squares_.push_back({.begin = area.begin + side_px_ * glm::dvec2(x, y)});
-        }
-        divided_.resize(squares_.size());
-    }
-    [[nodiscard]] glm::ivec2 size() const { return size_; }
-    [[nodiscard]] double side_px() const { return side_px_; }
-    [[nodiscard]] Square& at(int x, int y) { return squares_[index(x, y)]; }
-    [[nodiscard]] bool inside(int x, int y) const { return x >= 0 && y >= 0 && x < size_.x && y < size_.y; }
-    /// The smaller squares into which a square is divided; empty if it is not.
-    [[nodiscard]] std::vector<Square>& divided(int x, int y) { return divided_[index(x, y)]; }
-
-    void search(SquareSearch& by) {
-        if (with_ring_) {
-            by.search(squares_, side_px_);
-            return;
-        }
-        std::vector<Square> inner;
-        for (int y = 0; y < size_.y; ++y) {
-            for (int x = 0; x < size_.x; ++x) inner.push_back(at(x, y));
-        }
-        by.search(inner, side_px_);
-        for (int y = 0; y < size_.y; ++y) {
-            for (int x = 0; x < size_.x; ++x) at(x, y) = inner[static_cast<std::size_t>(y * size_.x + x)];
-        }
-    }
-
-    /// Divides the squares at the edge of the light, and searches them again: those of which the rays find
-    /// light in a part only, those beside squares with another result, and those for which `has_record` is
-    /// true. A narrow strip of light may continue into squares in which no ray met it. So squares beside
-    /// those are divided too.
-    template <typename HasRecord>
-    void divide(SquareSearch& by, const HasRecord& has_record) {
-        std::vector<glm::ivec2> next;
-        for (int y = 0; y < size_.y; ++y) {
-            for (int x = 0; x < size_.x; ++x) {
-                if (is_edge(x, y) || has_record(at(x, y))) next.emplace_back(x, y);
-            }
-        }
-        const int n = area_.divided;
-        while (!next.empty()) {
-            std::vector<Square> fine;
-            for (const glm::ivec2& p : next) {
-                for (int i = 0; i < n * n; ++i)
-                    fine.push_back({.begin = at(p.x, p.y).begin + side_px_ / n * glm::dvec2(i % n, i / n)});
-            }
-            by.search(fine, side_px_ / n);
-            auto from = fine.begin();
-            for (const glm::ivec2& p : next) {
-                divided(p.x, p.y).assign(from, from + n * n);
-                from += n * n;
-            }
-            std::vector<glm::ivec2> more;
-            for (const glm::ivec2& p : next) {
-                if (std::ranges::none_of(divided(p.x, p.y), &Square::found)) continue;
-                for (int k = 0; k < 9; ++k) {
-                    const glm::ivec2 q(p.x + k % 3 - 1, p.y + k / 3 - 1);
-                    if (inside(q.x, q.y) && divided(q.x, q.y).empty() &&
-                        at(q.x, q.y).found < rays_per_square && std::ranges::find(more, q) == more.end())
-                        more.push_back(q);
-                }
-            }
-            next = std::move(more);
-        }
-    }
-
-    /// Returns whether light touches the left border (`side` = -1) or right border (1) of the area if `axis`
-    /// is 0, or the upper or lower border if it is 1.
-    [[nodiscard]] bool touches(int axis, int side) {
-        const int across = axis == 0 ? size_.y : size_.x, last = (axis == 0 ? size_.x : size_.y) - 1,
-                  border = side < 0 ? 0 : last, n = area_.divided;
-        for (int i = -1; i <= across; ++i) {
-            const auto place = [&](int along) {
-                return axis == 0 ? glm::ivec2(along, i) : glm::ivec2(i, along);
-            };
-            const glm::ivec2 outer = place(border + side), p = place(border);
-            if (at(outer.x, outer.y).found > 0) return true;
-            if (!inside(p.x, p.y)) continue;
-            const std::vector<Square>& fine = divided(p.x, p.y);
-            if (fine.empty() && at(p.x, p.y).found > 0) return true;
-            for (std::size_t k = 0; k < fine.size(); ++k) {
-                const int step = static_cast<int>(k) % n, row = static_cast<int>(k) / n,
-                          along = axis == 0 ? step : row;
-                if (along == (side < 0 ? 0 : n - 1) && fine[k].found > 0) return true;
-            }
-        }
-        return false;
-    }
-
-  private:
-    [[nodiscard]] std::size_t index(int x, int y) const {
-        return static_cast<std::size_t>((y + 1) * (size_.x + 2) + x + 1);
-    }
-    [[nodiscard]] bool is_edge(int x, int y) {
-        const int found = at(x, y).found;
-        if (found % rays_per_square != 0) return true;
-        for (int k = 0; k < 9; ++k) {
-            if (at(x + k % 3 - 1, y + k / 3 - 1).found != found) return true;
-        }
-        return false;
-    }
-
-    glm::ivec2 size_;
-    double side_px_;
-    EdgeArea area_;
-    bool with_ring_;
-    std::vector<Square> squares_;
-    std::vector<std::vector<Square>> divided_;
-};
 
 Measured BrightSurface::measured(const EdgeArea& area, bool refine, const SightRays& rays,
                                  const LightElsewhere& less) const {
