@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
 #include <utility>
 #include <vector>
 
+#include "core/sample_hash.h"
 #include "reproject/sight_rays.h"
 
 namespace postlens {
