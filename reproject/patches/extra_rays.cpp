@@ -6,26 +6,11 @@
 
 #include "core/progress.h"
 #include "core/sample_hash.h"
-#include "reproject/patches/view_rays.h"
 
 namespace postlens {
 
 void ExtraRays::trace(const PatchField& field, const PatchViews& set, const TilePlace& at, LeftToRays left,
                       LightSums& sums) {
-    const auto trace_lines = [&] {
-        throw_if_interrupted();
-        radiance_.resize(lines_.size());
-        set.rays->trace(lines_, left == LeftToRays::samples_and_lights ? LightElsewhere{} : set.less,
-                        radiance_);
-        for (std::size_t i = 0; i < lines_.size(); ++i) {
-            auto& of = sums[pixel_[i]];
-            for (std::size_t c = 0; c < 3; ++c) of[c] += weight_[i] * static_cast<double>(radiance_[i][c]);
-            of[3] += weight_[i];
-        }
-        lines_.clear();
-        pixel_.clear();
-        weight_.clear();
-    };
     for (int y = 0; y < at.height; ++y) {
         for (int x = 0; x < at.width; ++x) {
             const auto wanted =
@@ -36,18 +21,19 @@ void ExtraRays::trace(const PatchField& field, const PatchViews& set, const Tile
                 const std::uint64_t seed = mix64(pixel + set.extra_lines[n].front().set);
                 const glm::dvec2 turn(unit_float(random_word(seed, 0)), unit_float(random_word(seed, 1)));
                 for (std::size_t i = 0; i < set.views.size(); ++i) {
-                    SightLine& line = lines_.emplace_back(set.extra_lines[n][i]);
+                    SightLine& line = rays_.lines().emplace_back(set.extra_lines[n][i]);
                     line.x = at.x + x;
                     line.y = at.y + y;
                     line.place = glm::fract(line.place + turn);
-                    pixel_.push_back(static_cast<std::uint16_t>(y * SeenTile::edge + x));
-                    weight_.push_back(set.views[i].weight);
+                    rays_.finish(static_cast<std::size_t>(y * SeenTile::edge + x), set.views[i].weight);
                 }
-                if (lines_.size() >= lines_together) trace_lines();
+                if (!rays_.full()) continue;
+                throw_if_interrupted();
+                rays_.trace(set, left, sums);
             }
         }
     }
-    if (!lines_.empty()) trace_lines();
+    rays_.trace(set, left, sums);
 }
 
 }  // namespace postlens

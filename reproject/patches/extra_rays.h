@@ -1,13 +1,10 @@
 // Additional rays in pixels where views alone are too noisy.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <vector>
-
 #include "reproject/patch_field.h"
 #include "reproject/patches/patch_raster.h"
 #include "reproject/patches/seen_light.h"
+#include "reproject/patches/view_rays.h"
 
 namespace postlens {
 
@@ -23,10 +20,7 @@ class ExtraRays {
                LightSums& sums);
 
   private:
-    std::vector<SightLine> lines_;
-    std::vector<std::uint16_t> pixel_;
-    std::vector<double> weight_;
-    std::vector<std::array<float, 3>> radiance_;
+    RayBatch rays_;
 };
 
 }  // namespace postlens

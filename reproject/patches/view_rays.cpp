@@ -49,9 +49,8 @@ void RaySamples::leave_to_rays(const ShownView& shown, int x, int y, double weig
         recorded[k][3] += weight;
         return;
     }
-    shown.add_line(x, y, lines_);
-    pixel_.push_back(static_cast<std::uint16_t>(k));
-    weight_.push_back(weight);
+    shown.add_line(x, y, rays_.lines());
+    rays_.finish(k, weight);
 }
 
 void RaySamples::find_doubtful(const ShownView& shown, bool parents) {
@@ -119,11 +118,11 @@ void RaySamples::set_aside_trees(const ShownView& shown, std::size_t u, const Tr
     }
 }
 
-void RaySamples::trace(const PatchViews& set) {
+void RayBatch::trace(const PatchViews& set, LeftToRays left, LightSums& sums) {
     radiance_.resize(lines_.size());
     set.rays->trace(lines_, left == LeftToRays::samples_and_lights ? LightElsewhere{} : set.less, radiance_);
     for (std::size_t i = 0; i < lines_.size(); ++i) {
-        auto& of = sum[pixel_[i]];
+        auto& of = sums[pixel_[i]];
         for (std::size_t c = 0; c < 3; ++c) of[c] += weight_[i] * static_cast<double>(radiance_[i][c]);
         of[3] += weight_[i];
     }

@@ -81,6 +81,28 @@ struct ShownView {
 /// of its rays must fit into the processor's caches.
 inline constexpr std::size_t lines_together = 4096;
 
+/// Rays that are samples of the pixels of a tile. They are collected, and then traced together.
+class RayBatch {
+  public:
+    /// Assigns the last ray of lines() to pixel `k` of the tile. Its radiance counts with `weight`.
+    void finish(std::size_t k, double weight) {
+        pixel_.push_back(static_cast<std::uint16_t>(k));
+        weight_.push_back(weight);
+    }
+    /// The rays. After a ray is appended, `finish` must be called for it.
+    [[nodiscard]] std::vector<SightLine>& lines() { return lines_; }
+    [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
+    /// Traces the rays, adds their radiance and weight to `sums`, and removes them. `left` tells whether the
+    /// highlights are left to rays.
+    void trace(const PatchViews& set, LeftToRays left, LightSums& sums);
+
+  private:
+    std::vector<SightLine> lines_;
+    std::vector<std::uint16_t> pixel_;
+    std::vector<double> weight_;
+    std::vector<std::array<float, 3>> radiance_;
+};
+
 /// The samples of views that rays replace in a tile.
 class RaySamples {
   public:
@@ -107,9 +129,9 @@ class RaySamples {
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
     /// Returns whether rays replace all samples of views in the tile.
     [[nodiscard]] bool whole_tile() const { return left != LeftToRays::unsure; }
-    [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
+    [[nodiscard]] bool full() const { return rays_.full(); }
     /// Traces the rays and adds them to `sum`.
-    void trace(const PatchViews& set);
+    void trace(const PatchViews& set) { rays_.trace(set, left, sum); }
 
   private:
     void find_doubtful(const ShownView& shown, bool parents);
@@ -117,10 +139,7 @@ class RaySamples {
     void leave_to_rays(const ShownView& shown, int x, int y, double weight, LightSums& recorded);
 
     PixelList doubtful_;
-    std::vector<SightLine> lines_;
-    std::vector<std::uint16_t> pixel_;
-    std::vector<double> weight_;
-    std::vector<std::array<float, 3>> radiance_;
+    RayBatch rays_;
 };
 
 /// Measures the error of recorded colours by tracing check rays in selected pixels. The radiance of each
